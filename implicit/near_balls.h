@@ -1,0 +1,40 @@
+#pragma once
+// The primitives near a place, laid out for the SIMD kernels.
+
+#include <limits>
+#include <vector>
+
+#include "implicit/primitive_list.h"
+#include "implicit/simd/ball_kernels.h"
+
+namespace restroke::implicit {
+
+/// The balls of a list that may meet a region, in list order. Keep one and use it again: its arrays keep their memory.
+class NearBalls {
+ public:
+  /// Collects the primitives of the prefix whose ball may meet the sphere (conservatively: none that does is left out).
+  /// `own` splits them into earlier and later ones and is not itself among them; without it all count as earlier.
+  void gather(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
+              PrimitiveList::Label own = std::numeric_limits<PrimitiveList::Label>::max());
+
+  [[nodiscard]] BallArrays arrays() const;
+  [[nodiscard]] std::size_t size() const { return found_.size(); }
+  /// Slot of the i-th ball.
+  [[nodiscard]] std::uint32_t slot(std::size_t i) const { return found_[i].slot; }
+
+ private:
+  struct Found {
+    PrimitiveList::Label label;
+    std::uint32_t slot;
+  };
+  std::vector<Found> found_;
+  std::vector<float> floats_;  // six arrays, one after the other
+  std::vector<std::uint8_t> positive_;
+  std::size_t stride_ = 0;
+  std::uint32_t earlier_ = 0;
+};
+
+/// The ball that drops the older samples inside a primitive, with the reach of all its tests.
+[[nodiscard]] DropBall dropBall(const Sphere& s);
+
+}  // namespace restroke::implicit

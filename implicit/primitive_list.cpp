@@ -1,0 +1,90 @@
+#include "implicit/primitive_list.h"
+
+#include <algorithm>
+
+#include "implicit/errors.h"
+
+namespace restroke::implicit {
+
+namespace {
+
+// Room between the labels of appended neighbours: 32 insertions that halve it before all labels are renewed, and 2^32 appends.
+constexpr PrimitiveList::Label kLabelStep = PrimitiveList::Label{1} << 32;
+
+}  // namespace
+
+void validate(const Primitive& primitive) {
+  const Sphere& s = primitive.shape;
+  if (!isFinite(s.center) || !std::isfinite(s.radius))
+    throw InputError("a sphere has a centre or radius that is not finite; all four numbers must be finite");
+  if (!(s.radius > 0)) throw InputError(fmt::format("a sphere has radius {}; it must be greater than 0", s.radius));
+  const float far = std::fmax(std::fmax(std::fabs(s.center.x), std::fabs(s.center.y)), std::fabs(s.center.z)) + s.radius;
+  if (!(far <= kMaxCoordinate))
+    throw InputError(fmt::format("a sphere reaches {} model units from the origin; at most {} are allowed", far, kMaxCoordinate));
+  if (!(s.radius >= far * 0x1p-14f))
+    throw InputError(fmt::format("a sphere of radius {} reaches {} model units from the origin; float32 cannot sample spheres smaller "
+                                 "than 1/16384 of that", s.radius, far));
+}
+
+PrimitiveList::PrimitiveList(ClusterOptions options) : clusters_(options) {}
+
+PrimitiveId PrimitiveList::insert(std::size_t position, const Primitive& primitive) {
+  RESTROKE_CHECK_LE(position, size());
+  validate(primitive);
+  std::uint32_t slot;
+  if (free_.empty()) {
+    slot = static_cast<std::uint32_t>(slots_.size());
+    slots_.push_back(primitive);
+    labels_.push_back(0);
+  } else {
+    slot = free_.back();
+    free_.pop_back();
+    slots_[slot] = primitive;
+  }
+  Label before = position == 0 ? 0 : labels_[order_[position - 1]];
+  if (position < size() && labels_[order_[position]] - before < 2) {
+    relabelAll();
+    before = position == 0 ? 0 : labels_[order_[position - 1]];
+  }
+  labels_[slot] = position == size() ? before + kLabelStep : before + (labels_[order_[position]] - before) / 2;
+  order_.insert(order_.begin() + static_cast<std::ptrdiff_t>(position), slot);
+  clusters_.insert(slot, boundsOf(primitive.shape), labels_);
+  return PrimitiveId{slot};
+}
+
+void PrimitiveList::remove(PrimitiveId id) {
+  const std::uint32_t slot = slotOf(id);
+  clusters_.remove(slot, boundsOf(slots_[slot].shape), labels_);
+  order_.erase(order_.begin() + static_cast<std::ptrdiff_t>(positionOf(id)));
+  free_.push_back(slot);
+}
+
+std::size_t PrimitiveList::positionOf(PrimitiveId id) const {
+  const Label label = labelOf(id);
+  const auto it = std::lower_bound(order_.begin(), order_.end(), label,
+                                   [&](std::uint32_t slot, Label l) { return labels_[slot] < l; });
+  return static_cast<std::size_t>(it - order_.begin());
+}
+
+Box PrimitiveList::bounds(Prefix prefix) const {
+  Box box;
+  const std::size_t end = std::min(prefix.count, size());
+  for (std::size_t i = 0; i < end; ++i)
+    if (at(i).sign == Sign::Positive) box.add(boundsOf(at(i).shape));
+  return box;
+}
+
+PrimitiveList::Label PrimitiveList::labelEnd(Prefix prefix) const {
+  return prefix.count < size() ? labels_[order_[prefix.count]] : std::numeric_limits<Label>::max();
+}
+
+void PrimitiveList::relabelAll() {
+  for (std::size_t i = 0; i < order_.size(); ++i) labels_[order_[i]] = (i + 1) * kLabelStep;
+}
+
+std::size_t PrimitiveList::bytes() const {
+  return slots_.capacity() * sizeof(Primitive) + labels_.capacity() * sizeof(Label) +
+         (free_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
+}
+
+}  // namespace restroke::implicit

@@ -1,0 +1,81 @@
+#pragma once
+// The ordered list of signed primitives: the only truth about a shape (SPEC S2, S4; DESIGN invariant 1).
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "implicit/clusters.h"
+#include "implicit/primitive.h"
+
+namespace restroke::implicit {
+
+/// Throws InputError when the primitive is not finite, its radius is not positive, or float32 has too few digits for it: it reaches
+/// beyond kMaxCoordinate, or its radius is less than 2^-14 of its greatest coordinate.
+void validate(const Primitive& primitive);
+
+/// The first `count` primitives of a list. Every query may be asked of a prefix, which costs nothing to make.
+struct Prefix {
+  std::size_t count = std::numeric_limits<std::size_t>::max();
+};
+
+/// S_0 is empty; S_i is S_(i-1) united with the i-th primitive where that is positive, less it where it is negative.
+///
+/// Positions count from 0 and change when something is inserted or removed before them; ids do not. Appending costs
+/// O(clusters touched); inserting and removing in the middle adds a move of the position table (4 bytes a primitive).
+class PrimitiveList {
+ public:
+  explicit PrimitiveList(ClusterOptions options = {});
+
+  [[nodiscard]] std::size_t size() const { return order_.size(); }
+  [[nodiscard]] bool empty() const { return order_.empty(); }
+
+  PrimitiveId append(const Primitive& primitive) { return insert(size(), primitive); }
+  /// Puts the primitive before the one that is at `position` (0 to size()). Throws InputError as
+  /// validate does.
+  PrimitiveId insert(std::size_t position, const Primitive& primitive);
+  void remove(PrimitiveId id);
+
+  [[nodiscard]] PrimitiveId idAt(std::size_t position) const { return PrimitiveId{order_[position]}; }
+  /// O(log n).
+  [[nodiscard]] std::size_t positionOf(PrimitiveId id) const;
+  [[nodiscard]] const Primitive& operator[](PrimitiveId id) const { return slots_[slotOf(id)]; }
+  [[nodiscard]] const Primitive& at(std::size_t position) const { return slots_[order_[position]]; }
+
+  /// Box around all positive primitives of the prefix. O(n).
+  [[nodiscard]] Box bounds(Prefix prefix = {}) const;
+
+  [[nodiscard]] const Clusters& clusters() const { return clusters_; }
+
+  /// Order labels: they grow with the position, and stay as they are while others are inserted or removed, except that
+  /// an insertion that finds no room between two labels renews all of them. Compare them, store none.
+  using Label = std::uint64_t;
+  [[nodiscard]] std::span<const Label> labels() const { return labels_; }  ///< by slot
+  [[nodiscard]] Label labelOf(PrimitiveId id) const { return labels_[slotOf(id)]; }
+  /// The label such that exactly the primitives of the prefix have smaller ones.
+  [[nodiscard]] Label labelEnd(Prefix prefix) const;
+  /// One more than the largest slot number in use; ids index arrays of this size.
+  [[nodiscard]] std::size_t slotCount() const { return slots_.size(); }
+
+  /// Bytes held, from the containers' capacity.
+  [[nodiscard]] std::size_t bytes() const;
+
+  static std::uint32_t slotOf(PrimitiveId id) { return static_cast<std::uint32_t>(id); }
+
+ private:
+  void relabelAll();
+
+  std::vector<Primitive> slots_;
+  std::vector<Label> labels_;         // of each slot
+  std::vector<std::uint32_t> free_;   // slots to use again
+  std::vector<std::uint32_t> order_;  // position -> slot
+  Clusters clusters_;
+};
+
+/// Coordinates and radii beyond this (model units) are refused: float32 has too few digits left there to tell samples
+/// apart at any useful density.
+inline constexpr float kMaxCoordinate = 1e6f;
+
+}  // namespace restroke::implicit

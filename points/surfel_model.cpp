@@ -1,0 +1,337 @@
+// Surfels as a pure function of the list (SPEC S3). A sample of primitive i is a surfel when
+//   - just outside P_i along its normal, S_(i-1) is outside (i adds) or inside (i carves), and
+//   - no later primitive contains it, boundary included.
+// Both tests ask only primitives near the sample, and neither asks other samples, so any set of samples may be evaluated at any time in
+// any order. What is kept is one bit a sample; positions and normals are made again when they are asked for.
+
+#include "points/surfel_model.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+#include "implicit/errors.h"
+#include "implicit/parallel.h"
+
+namespace restroke::points {
+
+using implicit::DropBall;
+using implicit::kPatch;
+using implicit::PatchedBall;
+using implicit::PatchTree;
+using implicit::Prefix;
+using implicit::Primitive;
+using implicit::PrimitiveId;
+using implicit::PrimitiveList;
+using implicit::Sign;
+using implicit::SphereSamples;
+
+namespace {
+
+// Disc radius in units of the square root of the area per sample. The lattice's largest gap is 0.8 of it away from any sample; the
+// rest overlaps, so that discs seen at a slant leave no gap.
+constexpr float kDiscRadius = 0.95f;
+
+// A primitive with more patches than this is evaluated in runs of one node of its tree.
+constexpr std::uint32_t kRunPatches = kPatch * kPatch;
+
+float discRadius(const implicit::Sphere& s, std::uint32_t samples) {
+  const float fourPi = 12.566370614359172f;
+  return kDiscRadius * s.radius * std::sqrt(fourPi / static_cast<float>(samples));
+}
+
+DropBall boundOf(const PatchedBall& ball, int level, std::uint32_t node) {
+  const PatchTree::Level& l = ball.tree.level[level];
+  return {ball.x + ball.radius * l.x[node], ball.y + ball.radius * l.y[node], ball.z + ball.radius * l.z[node],
+          ball.radius * l.radius[node] + 2 * ball.slack, 0};
+}
+
+}  // namespace
+
+struct SurfelModel::Run {
+  std::uint32_t slot = 0;
+  int level = 0;           // of the tree
+  std::uint32_t node = 0;  // all nodes of the level when the primitive is small
+  bool whole = true;
+};
+
+SurfelModel::SurfelModel(SamplingOptions sampling, implicit::ClusterOptions clusters)
+    : list_(clusters), sampling_(sampling) {
+  if (!(std::isfinite(sampling.density) && sampling.density > 0))
+    throw InputError(fmt::format("the density is {}; it must be finite and greater than 0", sampling.density));
+}
+
+PatchedBall SurfelModel::ballIn(std::uint32_t slot) const {
+  const Primitive& p = list_[PrimitiveId{slot}];
+  return implicit::patchedBall(p.shape, p.sign == Sign::Positive, *samples_[slot].table);
+}
+
+void SurfelModel::append(std::span<const Primitive> primitives, const Execution& execution) {
+  insert(list_.size(), primitives, execution);
+}
+
+void SurfelModel::insert(std::size_t position, std::span<const Primitive> primitives, const Execution&) {
+  RESTROKE_CHECK_LE(position, list_.size());
+  for (const Primitive& p : primitives) {
+    implicit::validate(p);
+    (void)implicit::sampleCount(p.shape, sampling_.density);
+  }
+  for (std::size_t i = 0; i < primitives.size(); ++i) insertOne(position + i, primitives[i]);
+}
+
+void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
+  const implicit::BallKernels& kernels = implicit::ballKernels();
+  const SphereSamples& table = SphereSamples::ofCount(implicit::sampleCount(primitive.shape, sampling_.density));
+  const bool atEnd = position == list_.size();
+  const std::uint32_t slot = PrimitiveList::slotOf(list_.insert(position, primitive));
+  if (slot >= samples_.size()) samples_.resize(slot + 1);
+  Samples& own = samples_[slot];
+  own.table = &table;
+  own.visible = std::make_unique<std::uint16_t[]>(table.patches());
+  visibleBytes_ += table.patches() * sizeof(std::uint16_t);
+
+  const DropBall drop = implicit::dropBall(primitive.shape);
+  near_.gather(list_, drop, std::numeric_limits<PrimitiveList::Label>::max(), list_.labels()[slot]);
+  const implicit::BallArrays balls = near_.arrays();
+
+  // Its own samples.
+  const PatchedBall ball = ballIn(slot);
+  const int top = ball.tree.levels - 1;
+  for (std::uint32_t node = 0; node < ball.tree.level[top].count; ++node)
+    kernels.evaluateNode(ball, top, node, balls, own.visible.get());
+  for (std::uint32_t p = 0; p < table.patches(); ++p)
+    surfelCount_ += static_cast<unsigned>(std::popcount(own.visible[p]));
+
+  // Older samples in it go; younger ones may go or come, because what they were added to or carved from has changed.
+  std::vector<std::uint64_t> changed;
+  std::vector<std::uint32_t> touched;
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    const std::uint32_t other = near_.slot(i);
+    if (i < balls.earlier) {
+      surfelCount_ -= kernels.dropSamples(ballIn(other), drop, samples_[other].visible.get());
+    } else {
+      touched.resize(samples_[other].table->patches());
+      const std::size_t n = kernels.touchedPatches(ballIn(other), drop, touched.data());
+      for (std::size_t k = 0; k < n; ++k) changed.push_back(std::uint64_t{other} << 32 | touched[k]);
+    }
+  }
+  if (!atEnd) reevaluate(changed, {.threads = 1});
+}
+
+void SurfelModel::remove(std::size_t first, std::size_t count, const Execution& execution) {
+  RESTROKE_CHECK_LE(first, list_.size());
+  RESTROKE_CHECK_LE(count, list_.size() - first);
+  std::vector<DropBall> gone;
+  gone.reserve(count);
+  for (std::size_t i = count; i-- > 0;) {
+    const PrimitiveId id = list_.idAt(first + i);
+    const std::uint32_t slot = PrimitiveList::slotOf(id);
+    gone.push_back(implicit::dropBall(list_[id].shape));
+    Samples& own = samples_[slot];
+    for (std::uint32_t p = 0; p < own.table->patches(); ++p)
+      surfelCount_ -= static_cast<unsigned>(std::popcount(own.visible[p]));
+    visibleBytes_ -= own.table->patches() * sizeof(std::uint16_t);
+    own = {};
+    list_.remove(id);
+  }
+  // What was in a removed ball, or asked about it, is evaluated again.
+  const implicit::BallKernels& kernels = implicit::ballKernels();
+  std::vector<std::uint64_t> changed;
+  std::vector<std::uint32_t> touched;
+  for (const DropBall& ball : gone) {
+    near_.gather(list_, ball, std::numeric_limits<PrimitiveList::Label>::max());
+    for (std::size_t i = 0; i < near_.size(); ++i) {
+      const std::uint32_t other = near_.slot(i);
+      touched.resize(samples_[other].table->patches());
+      const std::size_t n = kernels.touchedPatches(ballIn(other), ball, touched.data());
+      for (std::size_t k = 0; k < n; ++k) changed.push_back(std::uint64_t{other} << 32 | touched[k]);
+    }
+  }
+  reevaluate(changed, execution);
+}
+
+void SurfelModel::reevaluate(std::vector<std::uint64_t>& patches, const Execution& execution) {
+  if (patches.empty()) return;
+  std::sort(patches.begin(), patches.end());
+  patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
+  // Patches of one node of the tree, or of one small primitive, share what is near them.
+  std::vector<std::size_t> groups;  // where each begins
+  for (std::size_t i = 0; i < patches.size(); ++i)
+    if (i == 0 || patches[i] / kPatch != patches[i - 1] / kPatch) groups.push_back(i);
+  groups.push_back(patches.size());
+
+  const auto evaluateGroup = [&](std::size_t g, implicit::NearBalls& near) {
+    const std::size_t first = groups[g], n = groups[g + 1] - first;
+    const auto slot = static_cast<std::uint32_t>(patches[first] >> 32);
+    const PatchedBall ball = ballIn(slot);
+    std::uint32_t numbers[kPatch];
+    std::uint16_t masks[kPatch];
+    for (std::size_t k = 0; k < n; ++k) numbers[k] = static_cast<std::uint32_t>(patches[first + k]);
+    const DropBall region = ball.tree.levels > 1 ? boundOf(ball, 1, numbers[0] / kPatch)
+                                                 : DropBall{ball.x, ball.y, ball.z, ball.radius + 2 * ball.slack, 0};
+    near.gather(list_, region, std::numeric_limits<PrimitiveList::Label>::max(), list_.labels()[slot]);
+    implicit::ballKernels().evaluatePatches(ball, numbers, n, near.arrays(), masks);
+    std::ptrdiff_t difference = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      std::uint16_t& mask = samples_[slot].visible[numbers[k]];
+      difference += std::popcount(masks[k]) - std::popcount(mask);
+      mask = masks[k];
+    }
+    return difference;
+  };
+
+  std::vector<std::ptrdiff_t> differences(groups.size() - 1);
+  if (execution.threads == 1 || differences.size() < 16) {
+    for (std::size_t g = 0; g < differences.size(); ++g) differences[g] = evaluateGroup(g, near_);
+  } else {
+    inArena(execution, [&] {
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, differences.size(), 8), [&](const auto& range) {
+        thread_local implicit::NearBalls near;
+        for (std::size_t g = range.begin(); g < range.end(); ++g) differences[g] = evaluateGroup(g, near);
+      });
+    });
+  }
+  const std::ptrdiff_t total = std::accumulate(differences.begin(), differences.end(), std::ptrdiff_t{0});
+  surfelCount_ = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(surfelCount_) + total);
+}
+
+std::vector<SurfelModel::Run> SurfelModel::runsOf(Prefix prefix) const {
+  std::vector<Run> runs;
+  const std::size_t end = std::min(prefix.count, list_.size());
+  for (std::size_t i = 0; i < end; ++i) {
+    const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
+    const SphereSamples& table = *samples_[slot].table;
+    if (table.patches() <= kRunPatches) {
+      runs.push_back({slot, table.tree().levels - 1, 0, true});
+    } else {
+      for (std::uint32_t node = 0; node < table.tree().level[1].count; ++node) runs.push_back({slot, 1, node, false});
+    }
+  }
+  return runs;
+}
+
+void SurfelModel::evaluate(std::span<const Run> runs, std::span<std::uint16_t* const> visible, Prefix prefix,
+                           const Execution& execution) const {
+  const PrimitiveList::Label end = list_.labelEnd(prefix);
+  const implicit::BallKernels& kernels = implicit::ballKernels();
+  inArena(execution, [&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, runs.size(), 16), [&](const auto& range) {
+      thread_local implicit::NearBalls near;
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        const Run& run = runs[i];
+        const PatchedBall ball = ballIn(run.slot);
+        const DropBall region = run.whole ? DropBall{ball.x, ball.y, ball.z, ball.radius + 2 * ball.slack, 0}
+                                          : boundOf(ball, run.level, run.node);
+        near.gather(list_, region, end, list_.labels()[run.slot]);
+        const implicit::BallArrays balls = near.arrays();
+        if (!run.whole) {
+          kernels.evaluateNode(ball, run.level, run.node, balls, visible[run.slot]);
+          continue;
+        }
+        for (std::uint32_t node = 0; node < ball.tree.level[run.level].count; ++node)
+          kernels.evaluateNode(ball, run.level, node, balls, visible[run.slot]);
+      }
+    });
+  });
+}
+
+void SurfelModel::rebuild(const Execution& execution) {
+  std::vector<std::uint16_t*> visible(samples_.size());
+  for (std::size_t s = 0; s < samples_.size(); ++s) visible[s] = samples_[s].visible.get();
+  evaluate(runsOf({}), visible, {}, execution);
+  surfelCount_ = 0;
+  for (const Samples& s : samples_)
+    for (std::uint32_t p = 0; s.table && p < s.table->patches(); ++p)
+      surfelCount_ += static_cast<unsigned>(std::popcount(s.visible[p]));
+}
+
+std::vector<Surfel> SurfelModel::expand(std::span<std::uint16_t* const> visible, std::size_t primitives,
+                                        const Execution& execution) const {
+  std::vector<std::size_t> first(primitives + 1, 0);
+  for (std::size_t i = 0; i < primitives; ++i) {
+    const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
+    std::size_t n = 0;
+    for (std::uint32_t p = 0; p < samples_[slot].table->patches(); ++p)
+      n += static_cast<unsigned>(std::popcount(visible[slot][p]));
+    first[i + 1] = first[i] + n;
+  }
+  std::vector<Surfel> out(first.back());
+  inArena(execution, [&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, primitives, 16), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        const Primitive& primitive = list_.at(i);
+        const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
+        const SphereSamples& table = *samples_[slot].table;
+        const float radius = discRadius(primitive.shape, table.count());
+        std::size_t at = first[i];
+        for (std::uint32_t p = 0; p < table.patches(); ++p)
+          for (std::uint32_t bits = visible[slot][p]; bits != 0; bits &= bits - 1) {
+            const Vec3 d = table.direction(p * static_cast<std::uint32_t>(kPatch) +
+                                           static_cast<std::uint32_t>(std::countr_zero(bits)));
+            const bool positive = primitive.sign == Sign::Positive;
+            out[at++] = {implicit::samplePosition(primitive.shape, d), positive ? d : -d, radius,
+                         static_cast<std::uint32_t>(i), primitive.sign};
+          }
+      }
+    });
+  });
+  return out;
+}
+
+std::vector<Surfel> SurfelModel::surfels(const Execution& execution) const {
+  std::vector<std::uint16_t*> visible(samples_.size());
+  for (std::size_t s = 0; s < samples_.size(); ++s) visible[s] = samples_[s].visible.get();
+  return expand(visible, list_.size(), execution);
+}
+
+std::vector<Surfel> SurfelModel::surfels(Prefix prefix, const Execution& execution) const {
+  if (prefix.count >= list_.size()) return surfels(execution);
+  std::vector<std::vector<std::uint16_t>> masks(samples_.size());
+  std::vector<std::uint16_t*> visible(samples_.size(), nullptr);
+  for (std::size_t i = 0; i < prefix.count; ++i) {
+    const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
+    masks[slot].resize(samples_[slot].table->patches());
+    visible[slot] = masks[slot].data();
+  }
+  evaluate(runsOf(prefix), visible, prefix, execution);
+  return expand(visible, prefix.count, execution);
+}
+
+std::uint64_t SurfelModel::stateHash(const Execution& execution) const {
+  // One hash a primitive, in parallel; then one over these, in list order.
+  std::vector<std::uint64_t> hashes(list_.size());
+  inArena(execution, [&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, hashes.size(), 16), [&](const auto& range) {
+      std::vector<float> numbers;
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        const Primitive& primitive = list_.at(i);
+        const bool positive = primitive.sign == Sign::Positive;
+        const Samples& s = samples_[PrimitiveList::slotOf(list_.idAt(i))];
+        const implicit::Sphere& sphere = primitive.shape;
+        numbers.assign({sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius, positive ? 1.0f : -1.0f});
+        for (std::uint32_t p = 0; p < s.table->patches(); ++p)
+          for (std::uint32_t bits = s.visible[p]; bits != 0; bits &= bits - 1) {
+            const Vec3 d = s.table->direction(p * static_cast<std::uint32_t>(kPatch) +
+                                              static_cast<std::uint32_t>(std::countr_zero(bits)));
+            const Point at = implicit::samplePosition(sphere, d);
+            const Vec3 n = positive ? d : -d;
+            numbers.insert(numbers.end(), {at.x, at.y, at.z, n.x, n.y, n.z});
+          }
+        hashes[i] = XXH3_64bits(numbers.data(), numbers.size() * sizeof(float));
+      }
+    });
+  });
+  return XXH3_64bits_withSeed(hashes.data(), hashes.size() * sizeof(std::uint64_t),
+                              std::bit_cast<std::uint32_t>(sampling_.density));
+}
+
+ModelBytes SurfelModel::bytes() const {
+  return {list_.bytes(), list_.clusters().bytes(), samples_.capacity() * sizeof(Samples) + visibleBytes_,
+          SphereSamples::bytesOfAll()};
+}
+
+}  // namespace restroke::points

@@ -1,0 +1,84 @@
+#pragma once
+// A shape with its surfels, kept up to date (SPEC S3, S6; DESIGN invariant 2: surfels are a pure function of the list).
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "implicit/execution.h"
+#include "implicit/near_balls.h"
+#include "implicit/primitive_list.h"
+#include "implicit/shapes/sphere_samples.h"
+#include "points/surfel.h"
+
+namespace restroke::points {
+
+/// Bytes held, from the containers' real capacity (DESIGN invariant 11).
+struct ModelBytes {
+  std::size_t list = 0;      ///< primitives and their order
+  std::size_t clusters = 0;  ///< cluster lists
+  std::size_t surfels = 0;   ///< visibility of all samples
+  std::size_t tables = 0;    ///< sample directions, shared by all models of the process
+  [[nodiscard]] std::size_t total() const { return list + clusters + surfels; }
+};
+
+/// The list of primitives together with which samples of each are visible. Whatever the order of appends, insertions and
+/// removals that led to a list, the surfels are those of the list, bit for bit.
+class SurfelModel {
+ public:
+  /// Throws InputError when the density is not finite or not positive.
+  explicit SurfelModel(SamplingOptions sampling, implicit::ClusterOptions clusters = {});
+
+  [[nodiscard]] const implicit::PrimitiveList& list() const { return list_; }
+  [[nodiscard]] const SamplingOptions& sampling() const { return sampling_; }
+
+  /// Adds at the end, in order. Throws InputError, and then changes nothing, when a primitive is refused by PrimitiveList or would
+  /// have more than implicit::kMaxSamples samples.
+  void append(std::span<const implicit::Primitive> primitives, const Execution& execution = {});
+  void insert(std::size_t position, std::span<const implicit::Primitive> primitives, const Execution& execution = {});
+  /// Takes out the primitives at positions first .. first + count - 1.
+  void remove(std::size_t first, std::size_t count, const Execution& execution = {});
+  /// Forgets all surfels and evaluates every sample anew. Changes no result; for measurements and tests.
+  void rebuild(const Execution& execution = {});
+
+  /// Number of visible samples. O(1).
+  [[nodiscard]] std::size_t surfelCount() const { return surfelCount_; }
+  /// All surfels, by list position, then by sample number. O(samples).
+  [[nodiscard]] std::vector<Surfel> surfels(const Execution& execution = {}) const;
+  /// The surfels that a list of only the prefix would have, without changing anything.
+  [[nodiscard]] std::vector<Surfel> surfels(implicit::Prefix prefix, const Execution& execution = {}) const;
+
+  /// Hash of the density, of the list and of the position and normal of every visible sample: equal states, equal hashes, on every
+  /// machine, thread count, instruction set and compiler.
+  [[nodiscard]] std::uint64_t stateHash(const Execution& execution = {}) const;
+
+  [[nodiscard]] ModelBytes bytes() const;
+
+ private:
+  /// The samples of the primitive in one slot of the list.
+  struct Samples {
+    const implicit::SphereSamples* table = nullptr;
+    std::unique_ptr<std::uint16_t[]> visible;  ///< bit k of visible[p]: sample 16 p + k is a surfel
+  };
+  /// A run of patches of one primitive: the unit of parallel work.
+  struct Run;
+  [[nodiscard]] implicit::PatchedBall ballIn(std::uint32_t slot) const;
+  void insertOne(std::size_t position, const implicit::Primitive& primitive);
+  void reevaluate(std::vector<std::uint64_t>& patches, const Execution& execution);
+  void evaluate(std::span<const Run> runs, std::span<std::uint16_t* const> visible, implicit::Prefix prefix,
+                const Execution& execution) const;
+  [[nodiscard]] std::vector<Run> runsOf(implicit::Prefix prefix) const;
+  [[nodiscard]] std::vector<Surfel> expand(std::span<std::uint16_t* const> visible, std::size_t primitives,
+                                           const Execution& execution) const;
+
+  implicit::PrimitiveList list_;
+  SamplingOptions sampling_;
+  std::size_t surfelCount_ = 0;
+  std::size_t visibleBytes_ = 0;
+  std::vector<Samples> samples_;  // by slot
+  implicit::NearBalls near_;
+};
+
+}  // namespace restroke::points
