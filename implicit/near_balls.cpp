@@ -14,28 +14,32 @@ DropBall dropBall(const Sphere& s) {
 void NearBalls::gather(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
                        PrimitiveList::Label own) {
   found_.clear();
+  if (seen_.size() < list.slotCount()) seen_.resize(list.slotCount() + list.slotCount() / 2, 0);
+  if (++round_ == 0) {
+    std::fill(seen_.begin(), seen_.end(), 0);
+    round_ = 1;
+  }
   const Vec3 half(region.reach);
   const Point center(region.x, region.y, region.z);
   const std::span<const PrimitiveList::Label> labels = list.labels();
+  const std::span<const PrimitiveList::Ball> balls = list.balls();
   std::size_t lists = 0;
   list.clusters().forListsIn({center - half, center + half}, [&](std::span<const std::uint32_t> slots) {
     ++lists;
     for (const std::uint32_t slot : slots) {
+      if (seen_[slot] == round_) continue;
+      seen_[slot] = round_;
+      const PrimitiveList::Ball& b = balls[slot];
+      const float dx = b.x - region.x, dy = b.y - region.y, dz = b.z - region.z;
+      const float reach = (b.reach + region.reach) * 1.00001f;  // more than the rounding of the sums
+      if (dx * dx + dy * dy + dz * dz > reach * reach) continue;
       const PrimitiveList::Label label = labels[slot];
       if (label >= labelEnd) break;  // lists are in list order
-      const Sphere& s = list[PrimitiveId{slot}].shape;
-      const Vec3 d = s.center - center;
-      // 2^-16 is more than the slack and the rounding of this sum, relative to the radii (slack is at most 2^-3 of a radius).
-      const float reach = (s.radius + region.reach) * 1.00002f + toleranceOf(s).slack;
-      if (dot(d, d) <= reach * reach && label != own) found_.push_back({label, slot});
+      if (label != own) found_.push_back({label, slot});
     }
   });
-  if (lists > 1) {
+  if (lists > 1)
     std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) { return a.label < b.label; });
-    found_.erase(std::unique(found_.begin(), found_.end(),
-                             [](const Found& a, const Found& b) { return a.label == b.label; }),
-                 found_.end());
-  }
   const std::size_t n = found_.size();
   stride_ = (n + kPatch) / kPatch * kPatch;
   if (floats_.size() < 6 * stride_) floats_.resize(12 * stride_);

@@ -28,6 +28,8 @@ class NearBalls {
     std::uint32_t slot;
   };
   std::vector<Found> found_;
+  std::vector<std::uint32_t> seen_;  // by slot: the last round that met it, since a primitive is listed in several cells
+  std::uint32_t round_ = 0;
   std::vector<float> floats_;  // six arrays, one after the other
   std::vector<std::uint8_t> positive_;
   std::size_t stride_ = 0;

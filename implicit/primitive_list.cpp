@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "implicit/errors.h"
+#include "implicit/shapes/sphere_samples.h"
 
 namespace restroke::implicit {
 
@@ -36,11 +37,14 @@ PrimitiveId PrimitiveList::insert(std::size_t position, const Primitive& primiti
     slot = static_cast<std::uint32_t>(slots_.size());
     slots_.push_back(primitive);
     labels_.push_back(0);
+    balls_.emplace_back();
   } else {
     slot = free_.back();
     free_.pop_back();
     slots_[slot] = primitive;
   }
+  const Sphere& s = primitive.shape;
+  balls_[slot] = {s.center.x, s.center.y, s.center.z, s.radius + toleranceOf(s).slack};
   Label before = position == 0 ? 0 : labels_[order_[position - 1]];
   if (position < size() && labels_[order_[position]] - before < 2) {
     relabelAll();
@@ -83,7 +87,7 @@ void PrimitiveList::relabelAll() {
 }
 
 std::size_t PrimitiveList::bytes() const {
-  return slots_.capacity() * sizeof(Primitive) + labels_.capacity() * sizeof(Label) +
+  return slots_.capacity() * sizeof(Primitive) + balls_.capacity() * sizeof(Ball) + labels_.capacity() * sizeof(Label) +
          (free_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
 }
 

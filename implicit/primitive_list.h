@@ -59,6 +59,12 @@ class PrimitiveList {
   /// One more than the largest slot number in use; ids index arrays of this size.
   [[nodiscard]] std::size_t slotCount() const { return slots_.size(); }
 
+  /// Centre and reach of a primitive: no test of it says yes farther away from the centre.
+  struct Ball {
+    float x, y, z, reach;
+  };
+  [[nodiscard]] std::span<const Ball> balls() const { return balls_; }  ///< by slot
+
   /// Bytes held, from the containers' capacity.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -69,6 +75,7 @@ class PrimitiveList {
 
   std::vector<Primitive> slots_;
   std::vector<Label> labels_;         // of each slot
+  std::vector<Ball> balls_;           // of each slot
   std::vector<std::uint32_t> free_;   // slots to use again
   std::vector<std::uint32_t> order_;  // position -> slot
   Clusters clusters_;

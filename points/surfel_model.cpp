@@ -114,7 +114,7 @@ void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
     if (i < balls.earlier) {
       surfelCount_ -= kernels.dropSamples(ballIn(other), drop, samples_[other].visible.get());
     } else {
-      touched.resize(samples_[other].table->patches());
+      touched.resize(std::max<std::size_t>(touched.size(), samples_[other].table->patches()));
       const std::size_t n = kernels.touchedPatches(ballIn(other), drop, touched.data());
       for (std::size_t k = 0; k < n; ++k) changed.push_back(std::uint64_t{other} << 32 | touched[k]);
     }
@@ -146,7 +146,7 @@ void SurfelModel::remove(std::size_t first, std::size_t count, const Execution& 
     near_.gather(list_, ball, std::numeric_limits<PrimitiveList::Label>::max());
     for (std::size_t i = 0; i < near_.size(); ++i) {
       const std::uint32_t other = near_.slot(i);
-      touched.resize(samples_[other].table->patches());
+      touched.resize(std::max<std::size_t>(touched.size(), samples_[other].table->patches()));
       const std::size_t n = kernels.touchedPatches(ballIn(other), ball, touched.data());
       for (std::size_t k = 0; k < n; ++k) changed.push_back(std::uint64_t{other} << 32 | touched[k]);
     }

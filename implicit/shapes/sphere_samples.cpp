@@ -166,7 +166,7 @@ std::size_t SphereSamples::bytesOfAll() {
 }
 
 SphereTolerance toleranceOf(const Sphere& s) {
-  const float m = std::fmax(std::fmax(std::fabs(s.center.x), std::fabs(s.center.y)), std::fabs(s.center.z)) + s.radius;
+  const float m = std::max(std::max(std::fabs(s.center.x), std::fabs(s.center.y)), std::fabs(s.center.z)) + s.radius;
   return {s.radius + m * 0x1p-18f, s.radius + m * 0x1p-19f, m * 0x1p-17f};
 }
 

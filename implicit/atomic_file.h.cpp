@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/atomic_file.h"
+#include "../../../work/main/implicit/atomic_file.h"

@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/clusters.h"
+#include "../../../work/main/implicit/clusters.h"

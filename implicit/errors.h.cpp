@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/errors.h"
+#include "../../../work/main/implicit/errors.h"

@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/execution.h"
+#include "../../../work/main/implicit/execution.h"

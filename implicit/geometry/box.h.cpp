@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/geometry/box.h"
+#include "../../../work/main/implicit/geometry/box.h"

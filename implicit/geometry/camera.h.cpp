@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/geometry/camera.h"
+#include "../../../work/main/implicit/geometry/camera.h"

@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/geometry/ray.h"
+#include "../../../work/main/implicit/geometry/ray.h"

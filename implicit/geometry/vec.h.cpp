@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/geometry/vec.h"
+#include "../../../work/main/implicit/geometry/vec.h"

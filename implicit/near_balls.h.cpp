@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/near_balls.h"
+#include "../../../work/main/implicit/near_balls.h"

@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/parallel.h"
+#include "../../../work/main/implicit/parallel.h"

@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/primitive.h"
+#include "../../../work/main/implicit/primitive.h"

@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/primitive_list.h"
+#include "../../../work/main/implicit/primitive_list.h"

@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/ray_cast.h"
+#include "../../../work/main/implicit/ray_cast.h"

@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/shapes/sphere.h"
+#include "../../../work/main/implicit/shapes/sphere.h"

@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/shapes/sphere_samples.h"
+#include "../../../work/main/implicit/shapes/sphere_samples.h"

@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/side.h"
+#include "../../../work/main/implicit/side.h"

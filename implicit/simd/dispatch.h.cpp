@@ -1,0 +1,2 @@
+#include "../../../work/main/implicit/simd/dispatch.h"
+#include "../../../work/main/implicit/simd/dispatch.h"
