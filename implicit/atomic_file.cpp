@@ -99,7 +99,7 @@ void AtomicFile::commit() {
   if (fd.get() < 0) fail(path_, errno);
   if (::fsync(fd.get()) != 0 && errno != EINVAL && errno != EROFS) fail(path_, errno);
   // Replacing a file keeps its permissions.
-  struct stat former {};
+  struct stat former{};
   if (::stat(path_.c_str(), &former) == 0) (void)::fchmod(fd.get(), former.st_mode & 07777);
   if (!fd.close()) fail(path_, errno);
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, errno);
@@ -111,10 +111,6 @@ void writeFileAtomically(const fs::path& path, std::string_view bytes) {
   AtomicFile file(path);
   file.write(bytes);
   file.commit();
-}
-
-void writeFileAtomically(const fs::path& path, std::span<const char> bytes) {
-  writeFileAtomically(path, std::string_view(bytes.data(), bytes.size()));
 }
 
 }  // namespace restroke

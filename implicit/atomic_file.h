@@ -2,7 +2,6 @@
 // Files that are there whole or not at all.
 
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 
@@ -45,6 +44,5 @@ class AtomicFile {
 
 /// The whole of it for contents in memory. Throws InputError that names the file and the system's reason.
 void writeFileAtomically(const std::filesystem::path& path, std::string_view bytes);
-void writeFileAtomically(const std::filesystem::path& path, std::span<const char> bytes);
 
 }  // namespace restroke

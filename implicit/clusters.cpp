@@ -16,7 +16,8 @@ std::size_t hashOf(Cell c) {
 }
 
 std::int32_t indexAlong(double x, double cell) {
-  // Clamped, which keeps the order of cells, and with it every list complete, even where an index would not fit.
+  // Clamped, which keeps the order of cells, and with it every list complete, even where an index would not
+  // fit.
   const double i = x / cell;
   if (i < -2e9) return -2'000'000'000;
   if (i > 2e9) return 2'000'000'000;
@@ -64,7 +65,8 @@ std::vector<std::uint32_t>& ClusterGrid::listFor(Cell c) {
 
 namespace {
 
-// The cells of a box, a little widened: a ray that runs along a cell's face finds the primitive on either side of it.
+// The cells of a box, a little widened: a ray that runs along a cell's face finds the primitive on either
+// side of it.
 template <class F>
 void forCells(const ClusterGrid& grid, const Box& box, const F& f) {
   const DVec3 pad(1e-4 * static_cast<double>(grid.cell()));
@@ -110,7 +112,8 @@ std::size_t ClusterGrid::bytes() const {
 
 Clusters::Clusters(ClusterOptions options) {
   if (!(std::isfinite(options.cell) && options.cell > 0))
-    throw InputError(fmt::format("the cluster size is {}; it must be finite and greater than 0", options.cell));
+    throw InputError(
+        fmt::format("the cluster size is {}; it must be finite and greater than 0", options.cell));
   float cell = options.cell;
   for (int i = 0; i < kGrids; ++i, cell *= kGridRatio) grids_.emplace_back(cell);
 }

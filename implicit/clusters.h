@@ -1,5 +1,6 @@
 #pragma once
-// Space clusters (SPEC S4): which primitives touch a place. Hash grids, one for each order of magnitude of size.
+// Space clusters (SPEC S4): which primitives touch a place. Hash grids, one for each order of magnitude of
+// size.
 
 #include <array>
 #include <cstddef>
@@ -13,8 +14,8 @@ namespace restroke::implicit {
 
 /// How space is cut. Never changes a result, only speed and memory.
 struct ClusterOptions {
-  /// Cell size of the finest grid in model units, finite and > 0. Near 0.1 of the model's half size is a flat optimum for
-  /// brushes of 1 to 10 % of it (tests/bench measures it).
+  /// Cell size of the finest grid in model units, finite and > 0. Near 0.1 of the model's half size is a flat
+  /// optimum for brushes of 1 to 10 % of it (tests/bench measures it).
   float cell = 0.1f;
 };
 
@@ -24,8 +25,9 @@ struct Cell {
   bool operator==(const Cell&) const = default;
 };
 
-/// One hash grid: from cells to the lists of the primitives (slot numbers) that touch them, in list order. Open addressing
-/// with linear probing; an emptied cell keeps its place, since a brush comes back to where it was.
+/// One hash grid: from cells to the lists of the primitives (slot numbers) that touch them, in list order.
+/// Open addressing with linear probing; an emptied cell keeps its place, since a brush comes back to where it
+/// was.
 class ClusterGrid {
  public:
   explicit ClusterGrid(float cell) : cell_(cell) {}
@@ -61,9 +63,9 @@ class ClusterGrid {
   std::vector<Entry> entries_;  // a power of two of them
 };
 
-/// The hierarchy: a primitive is listed in the finest grid in which its box spans at most kMaxSpan cell sizes, so that a
-/// base as large as the model and brushes a hundredth of it are both cheap to list, whatever their ratio. A query asks every
-/// grid that is in use: two in practice.
+/// The hierarchy: a primitive is listed in the finest grid in which its box spans at most kMaxSpan cell
+/// sizes, so that a base as large as the model and brushes a hundredth of it are both cheap to list, whatever
+/// their ratio. A query asks every grid that is in use: two in practice.
 class Clusters {
  public:
   static constexpr float kMaxSpan = 8;
@@ -73,25 +75,32 @@ class Clusters {
   /// Throws InputError when the cell size is not finite or not positive.
   explicit Clusters(ClusterOptions options);
 
-  void insert(std::uint32_t slot, const Box& box, ClusterGrid::Labels labels) { gridFor(box).insert(slot, box, labels); }
-  void remove(std::uint32_t slot, const Box& box, ClusterGrid::Labels labels) { gridFor(box).remove(slot, box, labels); }
+  void insert(std::uint32_t slot, const Box& box, ClusterGrid::Labels labels) {
+    gridFor(box).insert(slot, box, labels);
+  }
+  void remove(std::uint32_t slot, const Box& box, ClusterGrid::Labels labels) {
+    gridFor(box).remove(slot, box, labels);
+  }
 
   /// All grids, finest first; most are empty.
   [[nodiscard]] const std::vector<ClusterGrid>& grids() const { return grids_; }
 
-  /// Calls f(list) for the list of every cell that meets the box. A primitive that touches several cells comes several times.
+  /// Calls f(list) for the list of every cell that meets the box. A primitive that touches several cells
+  /// comes several times.
   template <class F>
   void forListsIn(const Box& box, const F& f) const {
     for (const ClusterGrid& grid : grids_) {
       if (grid.size() == 0) continue;
       const Box& hull = grid.hull();
-      if (box.min.x > hull.max.x || box.max.x < hull.min.x || box.min.y > hull.max.y || box.max.y < hull.min.y ||
-          box.min.z > hull.max.z || box.max.z < hull.min.z)
+      if (box.min.x > hull.max.x || box.max.x < hull.min.x || box.min.y > hull.max.y ||
+          box.max.y < hull.min.y || box.min.z > hull.max.z || box.max.z < hull.min.z)
         continue;
       const auto low = [](float a, float b) { return static_cast<double>(a > b ? a : b); };
       const auto high = [](float a, float b) { return static_cast<double>(a < b ? a : b); };
-      const Cell lo = grid.cellAt({low(box.min.x, hull.min.x), low(box.min.y, hull.min.y), low(box.min.z, hull.min.z)});
-      const Cell hi = grid.cellAt({high(box.max.x, hull.max.x), high(box.max.y, hull.max.y), high(box.max.z, hull.max.z)});
+      const Cell lo =
+          grid.cellAt({low(box.min.x, hull.min.x), low(box.min.y, hull.min.y), low(box.min.z, hull.min.z)});
+      const Cell hi = grid.cellAt(
+          {high(box.max.x, hull.max.x), high(box.max.y, hull.max.y), high(box.max.z, hull.max.z)});
       for (std::int32_t z = lo.z; z <= hi.z; ++z)
         for (std::int32_t y = lo.y; y <= hi.y; ++y)
           for (std::int32_t x = lo.x; x <= hi.x; ++x) {

@@ -7,7 +7,8 @@ inline constexpr int kMaxThreads = 1024;
 
 /// Passed to everything that may take long.
 struct Execution {
-  /// Worker threads, 1 to kMaxThreads; 0 takes all that the machine has. Never changes a result (tests/determinism).
+  /// Worker threads, 1 to kMaxThreads; 0 takes all that the machine has. Never changes a result
+  /// (tests/determinism).
   int threads = 0;
 };
 

@@ -9,11 +9,13 @@
 
 namespace restroke::implicit {
 
-/// The balls of a list that may meet a region, in list order. Keep one and use it again: its arrays keep their memory.
+/// The balls of a list that may meet a region, in list order. Keep one and use it again: its arrays keep
+/// their memory.
 class NearBalls {
  public:
-  /// Collects the primitives of the prefix whose ball may meet the sphere (conservatively: none that does is left out).
-  /// `own` splits them into earlier and later ones and is not itself among them; without it all count as earlier.
+  /// Collects the primitives of the prefix whose ball may meet the sphere (conservatively: none that does is
+  /// left out). `own` splits them into earlier and later ones and is not itself among them; without it all
+  /// count as earlier.
   void gather(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
               PrimitiveList::Label own = std::numeric_limits<PrimitiveList::Label>::max());
 
@@ -28,7 +30,8 @@ class NearBalls {
     std::uint32_t slot;
   };
   std::vector<Found> found_;
-  std::vector<std::uint32_t> seen_;  // by slot: the last round that met it, since a primitive is listed in several cells
+  std::vector<std::uint32_t>
+      seen_;  // by slot: the last round that met it, since a primitive is listed in several cells
   std::uint32_t round_ = 0;
   std::vector<float> floats_;  // six arrays, one after the other
   std::vector<std::uint8_t> positive_;

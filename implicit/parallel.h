@@ -6,7 +6,8 @@
 
 namespace restroke {
 
-/// Lets oneTBB use as many threads as an Execution may ask for, also on a machine with fewer cores. Once a process.
+/// Lets oneTBB use as many threads as an Execution may ask for, also on a machine with fewer cores. Once a
+/// process.
 void allowManyThreads();
 
 /// Runs f with the threads that the execution asks for; oneTBB's algorithms inside it use those.

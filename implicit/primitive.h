@@ -10,8 +10,8 @@ namespace restroke::implicit {
 enum class Sign : std::uint8_t { Positive, Negative };  ///< adds, carves
 enum class Side : std::uint8_t { Outside, Inside };
 
-/// The kinds of closed volume that a primitive may be. More kinds turn this into a variant; what each must provide is
-/// listed in implicit/README.md.
+/// The kinds of closed volume that a primitive may be. More kinds turn this into a variant; what each must
+/// provide is listed in implicit/README.md.
 using Shape = Sphere;
 
 struct Primitive {
@@ -20,7 +20,8 @@ struct Primitive {
   bool operator==(const Primitive&) const = default;
 };
 
-/// Names a primitive of one PrimitiveList from its insertion to its removal, whatever is inserted or removed elsewhere.
+/// Names a primitive of one PrimitiveList from its insertion to its removal, whatever is inserted or removed
+/// elsewhere.
 enum class PrimitiveId : std::uint32_t {};
 
 }  // namespace restroke::implicit

@@ -9,7 +9,8 @@ namespace restroke::implicit {
 
 namespace {
 
-// Room between the labels of appended neighbours: 32 insertions that halve it before all labels are renewed, and 2^32 appends.
+// Room between the labels of appended neighbours: 32 insertions that halve it before all labels are renewed,
+// and 2^32 appends.
 constexpr PrimitiveList::Label kLabelStep = PrimitiveList::Label{1} << 32;
 
 }  // namespace
@@ -18,13 +19,18 @@ void validate(const Primitive& primitive) {
   const Sphere& s = primitive.shape;
   if (!isFinite(s.center) || !std::isfinite(s.radius))
     throw InputError("a sphere has a centre or radius that is not finite; all four numbers must be finite");
-  if (!(s.radius > 0)) throw InputError(fmt::format("a sphere has radius {}; it must be greater than 0", s.radius));
-  const float far = std::fmax(std::fmax(std::fabs(s.center.x), std::fabs(s.center.y)), std::fabs(s.center.z)) + s.radius;
+  if (!(s.radius > 0))
+    throw InputError(fmt::format("a sphere has radius {}; it must be greater than 0", s.radius));
+  const float far =
+      std::fmax(std::fmax(std::fabs(s.center.x), std::fabs(s.center.y)), std::fabs(s.center.z)) + s.radius;
   if (!(far <= kMaxCoordinate))
-    throw InputError(fmt::format("a sphere reaches {} model units from the origin; at most {} are allowed", far, kMaxCoordinate));
+    throw InputError(fmt::format("a sphere reaches {} model units from the origin; at most {} are allowed",
+                                 far, kMaxCoordinate));
   if (!(s.radius >= far * 0x1p-14f))
-    throw InputError(fmt::format("a sphere of radius {} reaches {} model units from the origin; float32 cannot sample spheres smaller "
-                                 "than 1/16384 of that", s.radius, far));
+    throw InputError(fmt::format(
+        "a sphere of radius {} reaches {} model units from the origin; float32 cannot sample spheres smaller "
+        "than 1/16384 of that",
+        s.radius, far));
 }
 
 PrimitiveList::PrimitiveList(ClusterOptions options) : clusters_(options) {}
@@ -50,7 +56,8 @@ PrimitiveId PrimitiveList::insert(std::size_t position, const Primitive& primiti
     relabelAll();
     before = position == 0 ? 0 : labels_[order_[position - 1]];
   }
-  labels_[slot] = position == size() ? before + kLabelStep : before + (labels_[order_[position]] - before) / 2;
+  labels_[slot] =
+      position == size() ? before + kLabelStep : before + (labels_[order_[position]] - before) / 2;
   order_.insert(order_.begin() + static_cast<std::ptrdiff_t>(position), slot);
   clusters_.insert(slot, boundsOf(primitive.shape), labels_);
   return PrimitiveId{slot};
@@ -87,8 +94,8 @@ void PrimitiveList::relabelAll() {
 }
 
 std::size_t PrimitiveList::bytes() const {
-  return slots_.capacity() * sizeof(Primitive) + balls_.capacity() * sizeof(Ball) + labels_.capacity() * sizeof(Label) +
-         (free_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
+  return slots_.capacity() * sizeof(Primitive) + balls_.capacity() * sizeof(Ball) +
+         labels_.capacity() * sizeof(Label) + (free_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
 }
 
 }  // namespace restroke::implicit

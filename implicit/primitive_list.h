@@ -12,8 +12,9 @@
 
 namespace restroke::implicit {
 
-/// Throws InputError when the primitive is not finite, its radius is not positive, or float32 has too few digits for it: it reaches
-/// beyond kMaxCoordinate, or its radius is less than 2^-14 of its greatest coordinate.
+/// Throws InputError when the primitive is not finite, its radius is not positive, or float32 has too few
+/// digits for it: it reaches beyond kMaxCoordinate, or its radius is less than 2^-14 of its greatest
+/// coordinate.
 void validate(const Primitive& primitive);
 
 /// The first `count` primitives of a list. Every query may be asked of a prefix, which costs nothing to make.
@@ -21,10 +22,12 @@ struct Prefix {
   std::size_t count = std::numeric_limits<std::size_t>::max();
 };
 
-/// S_0 is empty; S_i is S_(i-1) united with the i-th primitive where that is positive, less it where it is negative.
+/// S_0 is empty; S_i is S_(i-1) united with the i-th primitive where that is positive, less it where it is
+/// negative.
 ///
-/// Positions count from 0 and change when something is inserted or removed before them; ids do not. Appending costs
-/// O(clusters touched); inserting and removing in the middle adds a move of the position table (4 bytes a primitive).
+/// Positions count from 0 and change when something is inserted or removed before them; ids do not. Appending
+/// costs O(clusters touched); inserting and removing in the middle adds a move of the position table (4 bytes
+/// a primitive).
 class PrimitiveList {
  public:
   explicit PrimitiveList(ClusterOptions options = {});
@@ -49,8 +52,9 @@ class PrimitiveList {
 
   [[nodiscard]] const Clusters& clusters() const { return clusters_; }
 
-  /// Order labels: they grow with the position, and stay as they are while others are inserted or removed, except that
-  /// an insertion that finds no room between two labels renews all of them. Compare them, store none.
+  /// Order labels: they grow with the position, and stay as they are while others are inserted or removed,
+  /// except that an insertion that finds no room between two labels renews all of them. Compare them, store
+  /// none.
   using Label = std::uint64_t;
   [[nodiscard]] std::span<const Label> labels() const { return labels_; }  ///< by slot
   [[nodiscard]] Label labelOf(PrimitiveId id) const { return labels_[slotOf(id)]; }
@@ -81,8 +85,8 @@ class PrimitiveList {
   Clusters clusters_;
 };
 
-/// Coordinates and radii beyond this (model units) are refused: float32 has too few digits left there to tell samples
-/// apart at any useful density.
+/// Coordinates and radii beyond this (model units) are refused: float32 has too few digits left there to tell
+/// samples apart at any useful density.
 inline constexpr float kMaxCoordinate = 1e6f;
 
 }  // namespace restroke::implicit

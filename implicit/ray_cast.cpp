@@ -1,10 +1,11 @@
 // First crossing of a ray with the shape of a signed list, cell by cell along the ray.
 //
-// Method: along a ray every primitive is an interval, and what the shape is at t is said by the last interval (in list order)
-// that holds t. From the start, the next place where that can change is the exit of this last interval, or the entry of a
-// later one; we jump from event to event until outside turns inside. The walk visits the cells of the finest grid in order, so
-// that only primitives near the ray's present stretch are intersected; the few of the coarser grids are intersected once.
-// The traversal is Amanatides and Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987.
+// Method: along a ray every primitive is an interval, and what the shape is at t is said by the last interval
+// (in list order) that holds t. From the start, the next place where that can change is the exit of this last
+// interval, or the entry of a later one; we jump from event to event until outside turns inside. The walk
+// visits the cells of the finest grid in order, so that only primitives near the ray's present stretch are
+// intersected; the few of the coarser grids are intersected once. The traversal is Amanatides and Woo, "A
+// fast voxel traversal algorithm for ray tracing", Eurographics 1987.
 
 #include "implicit/ray_cast.h"
 
@@ -42,7 +43,8 @@ RayInterval clip(const Ray& ray, const Box& box, double pad) {
   return {enter, exit};
 }
 
-// Calls visit(cell, tIn, tOut) for the grid's cells along the ray between the parameters, until it returns true.
+// Calls visit(cell, tIn, tOut) for the grid's cells along the ray between the parameters, until it returns
+// true.
 template <class F>
 void walkCells(const ClusterGrid& grid, const Ray& ray, double tIn, double tOut, const F& visit) {
   const double size = static_cast<double>(grid.cell());
@@ -75,14 +77,20 @@ struct Scratch {
 class Walk {
  public:
   Walk(const PrimitiveList& list, const Ray& ray, Prefix prefix, Scratch& scratch)
-      : list_(list), ray_(ray), end_(list.labelEnd(prefix)), t_(ray.tMin), coarse_(scratch.coarse), active_(scratch.active) {
+      : list_(list),
+        ray_(ray),
+        end_(list.labelEnd(prefix)),
+        t_(ray.tMin),
+        coarse_(scratch.coarse),
+        active_(scratch.active) {
     coarse_.clear();
   }
 
   std::optional<RayHit> run() {
     const std::vector<ClusterGrid>& grids = list_.clusters().grids();
     for (std::size_t g = 1; g < grids.size(); ++g) collectCoarse(grids[g]);
-    std::sort(coarse_.begin(), coarse_.end(), [](const Interval& a, const Interval& b) { return a.label < b.label; });
+    std::sort(coarse_.begin(), coarse_.end(),
+              [](const Interval& a, const Interval& b) { return a.label < b.label; });
     coarse_.erase(std::unique(coarse_.begin(), coarse_.end(),
                               [](const Interval& a, const Interval& b) { return a.label == b.label; }),
                   coarse_.end());
@@ -165,7 +173,8 @@ class Walk {
     const bool inside = owner && owner->positive;
     const bool crossed = started_ && inside && !inside_;
     if (crossed) {
-      // Either the owner begins here, or a carving that hid it ends here: then that one's boundary is the surface.
+      // Either the owner begins here, or a carving that hid it ends here: then that one's boundary is the
+      // surface.
       const bool uncovered = !previous_.positiveOrNone && owner->enter != t_;
       RayHit hit;
       hit.t = t_;

@@ -14,9 +14,9 @@ struct RayHit {
   PrimitiveId primitive{};  ///< whose boundary was hit
 };
 
-/// First crossing from outside to inside of the prefix's whole shape with tMin < t < tMax, in double precision. A ray that
-/// starts inside must first leave. Rays that only touch a boundary do not count. Nothing is built beforehand.
-/// O(cells along the ray + primitives in them).
+/// First crossing from outside to inside of the prefix's whole shape with tMin < t < tMax, in double
+/// precision. A ray that starts inside must first leave. Rays that only touch a boundary do not count.
+/// Nothing is built beforehand. O(cells along the ray + primitives in them).
 [[nodiscard]] std::optional<RayHit> castRay(const PrimitiveList& list, const Ray& ray, Prefix prefix = {});
 
 }  // namespace restroke::implicit

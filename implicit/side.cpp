@@ -38,7 +38,8 @@ Side sideOf(const PrimitiveList& list, Point p, Prefix prefix) {
 
 namespace {
 
-// Points that lie this close together (as a fraction of the cell size) share one gathering of the primitives around them.
+// Points that lie this close together (as a fraction of the cell size) share one gathering of the primitives
+// around them.
 constexpr float kShare = 2.0f;
 
 void sidesOfGroup(const PrimitiveList& list, std::span<const Point> points, Side* sides, Prefix prefix) {
@@ -63,7 +64,8 @@ void sidesOfGroup(const PrimitiveList& list, std::span<const Point> points, Side
     z[i] = points[i].z;
   }
   const std::uint32_t inside = ballKernels().insideLanes(x, y, z, (1u << points.size()) - 1, near.arrays());
-  for (std::size_t i = 0; i < points.size(); ++i) sides[i] = (inside >> i & 1) != 0 ? Side::Inside : Side::Outside;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    sides[i] = (inside >> i & 1) != 0 ? Side::Inside : Side::Outside;
 }
 
 }  // namespace
@@ -73,12 +75,13 @@ void sidesOf(const PrimitiveList& list, std::span<const Point> points, std::span
   RESTROKE_CHECK_EQ(points.size(), sides.size());
   const std::size_t groups = (points.size() + kPatch - 1) / kPatch;
   inArena(execution, [&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups, 64), [&](const tbb::blocked_range<std::size_t>& r) {
-      for (std::size_t g = r.begin(); g < r.end(); ++g) {
-        const std::size_t first = g * kPatch, n = std::min(kPatch, points.size() - first);
-        sidesOfGroup(list, points.subspan(first, n), sides.data() + first, prefix);
-      }
-    });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, groups, 64),
+                      [&](const tbb::blocked_range<std::size_t>& r) {
+                        for (std::size_t g = r.begin(); g < r.end(); ++g) {
+                          const std::size_t first = g * kPatch, n = std::min(kPatch, points.size() - first);
+                          sidesOfGroup(list, points.subspan(first, n), sides.data() + first, prefix);
+                        }
+                      });
   });
 }
 

@@ -1,8 +1,9 @@
 // Surfels as a pure function of the list (SPEC S3). A sample of primitive i is a surfel when
 //   - just outside P_i along its normal, S_(i-1) is outside (i adds) or inside (i carves), and
 //   - no later primitive contains it, boundary included.
-// Both tests ask only primitives near the sample, and neither asks other samples, so any set of samples may be evaluated at any time in
-// any order. What is kept is one bit a sample; positions and normals are made again when they are asked for.
+// Both tests ask only primitives near the sample, and neither asks other samples, so any set of samples may
+// be evaluated at any time in any order. What is kept is one bit a sample; positions and normals are made
+// again when they are asked for.
 
 #include "points/surfel_model.h"
 
@@ -32,8 +33,8 @@ using implicit::SphereSamples;
 
 namespace {
 
-// Disc radius in units of the square root of the area per sample. The lattice's largest gap is 0.8 of it away from any sample; the
-// rest overlaps, so that discs seen at a slant leave no gap.
+// Disc radius in units of the square root of the area per sample. The lattice's largest gap is 0.8 of it away
+// from any sample; the rest overlaps, so that discs seen at a slant leave no gap.
 constexpr float kDiscRadius = 0.95f;
 
 // A primitive with more patches than this is evaluated in runs of one node of its tree.
@@ -46,8 +47,8 @@ float discRadius(const implicit::Sphere& s, std::uint32_t samples) {
 
 DropBall boundOf(const PatchedBall& ball, int level, std::uint32_t node) {
   const PatchTree::Level& l = ball.tree.level[level];
-  return {ball.x + ball.radius * l.x[node], ball.y + ball.radius * l.y[node], ball.z + ball.radius * l.z[node],
-          ball.radius * l.radius[node] + 2 * ball.slack, 0};
+  return {ball.x + ball.radius * l.x[node], ball.y + ball.radius * l.y[node],
+          ball.z + ball.radius * l.z[node], ball.radius * l.radius[node] + 2 * ball.slack, 0};
 }
 
 }  // namespace
@@ -62,7 +63,8 @@ struct SurfelModel::Run {
 SurfelModel::SurfelModel(SamplingOptions sampling, implicit::ClusterOptions clusters)
     : list_(clusters), sampling_(sampling) {
   if (!(std::isfinite(sampling.density) && sampling.density > 0))
-    throw InputError(fmt::format("the density is {}; it must be finite and greater than 0", sampling.density));
+    throw InputError(
+        fmt::format("the density is {}; it must be finite and greater than 0", sampling.density));
 }
 
 PatchedBall SurfelModel::ballIn(std::uint32_t slot) const {
@@ -85,7 +87,8 @@ void SurfelModel::insert(std::size_t position, std::span<const Primitive> primit
 
 void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
   const implicit::BallKernels& kernels = implicit::ballKernels();
-  const SphereSamples& table = SphereSamples::ofCount(implicit::sampleCount(primitive.shape, sampling_.density));
+  const SphereSamples& table =
+      SphereSamples::ofCount(implicit::sampleCount(primitive.shape, sampling_.density));
   const bool atEnd = position == list_.size();
   const std::uint32_t slot = PrimitiveList::slotOf(list_.insert(position, primitive));
   if (slot >= samples_.size()) samples_.resize(slot + 1);
@@ -106,7 +109,8 @@ void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
   for (std::uint32_t p = 0; p < table.patches(); ++p)
     surfelCount_ += static_cast<unsigned>(std::popcount(own.visible[p]));
 
-  // Older samples in it go; younger ones may go or come, because what they were added to or carved from has changed.
+  // Older samples in it go; younger ones may go or come, because what they were added to or carved from has
+  // changed.
   std::vector<std::uint64_t> changed;
   std::vector<std::uint32_t> touched;
   for (std::size_t i = 0; i < near_.size(); ++i) {
@@ -171,8 +175,9 @@ void SurfelModel::reevaluate(std::vector<std::uint64_t>& patches, const Executio
     std::uint32_t numbers[kPatch];
     std::uint16_t masks[kPatch];
     for (std::size_t k = 0; k < n; ++k) numbers[k] = static_cast<std::uint32_t>(patches[first + k]);
-    const DropBall region = ball.tree.levels > 1 ? boundOf(ball, 1, numbers[0] / kPatch)
-                                                 : DropBall{ball.x, ball.y, ball.z, ball.radius + 2 * ball.slack, 0};
+    const DropBall region = ball.tree.levels > 1
+                                ? boundOf(ball, 1, numbers[0] / std::uint32_t{kPatch})
+                                : DropBall{ball.x, ball.y, ball.z, ball.radius + 2 * ball.slack, 0};
     near.gather(list_, region, std::numeric_limits<PrimitiveList::Label>::max(), list_.labels()[slot]);
     implicit::ballKernels().evaluatePatches(ball, numbers, n, near.arrays(), masks);
     std::ptrdiff_t difference = 0;
@@ -208,7 +213,8 @@ std::vector<SurfelModel::Run> SurfelModel::runsOf(Prefix prefix) const {
     if (table.patches() <= kRunPatches) {
       runs.push_back({slot, table.tree().levels - 1, 0, true});
     } else {
-      for (std::uint32_t node = 0; node < table.tree().level[1].count; ++node) runs.push_back({slot, 1, node, false});
+      for (std::uint32_t node = 0; node < table.tree().level[1].count; ++node)
+        runs.push_back({slot, 1, node, false});
     }
   }
   return runs;
@@ -312,7 +318,8 @@ std::uint64_t SurfelModel::stateHash(const Execution& execution) const {
         const bool positive = primitive.sign == Sign::Positive;
         const Samples& s = samples_[PrimitiveList::slotOf(list_.idAt(i))];
         const implicit::Sphere& sphere = primitive.shape;
-        numbers.assign({sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius, positive ? 1.0f : -1.0f});
+        numbers.assign(
+            {sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius, positive ? 1.0f : -1.0f});
         for (std::uint32_t p = 0; p < s.table->patches(); ++p)
           for (std::uint32_t bits = s.visible[p]; bits != 0; bits &= bits - 1) {
             const Vec3 d = s.table->direction(p * static_cast<std::uint32_t>(kPatch) +

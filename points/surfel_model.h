@@ -1,5 +1,6 @@
 #pragma once
-// A shape with its surfels, kept up to date (SPEC S3, S6; DESIGN invariant 2: surfels are a pure function of the list).
+// A shape with its surfels, kept up to date (SPEC S3, S6; DESIGN invariant 2: surfels are a pure function of
+// the list).
 
 #include <cstddef>
 #include <cstdint>
@@ -24,8 +25,8 @@ struct ModelBytes {
   [[nodiscard]] std::size_t total() const { return list + clusters + surfels; }
 };
 
-/// The list of primitives together with which samples of each are visible. Whatever the order of appends, insertions and
-/// removals that led to a list, the surfels are those of the list, bit for bit.
+/// The list of primitives together with which samples of each are visible. Whatever the order of appends,
+/// insertions and removals that led to a list, the surfels are those of the list, bit for bit.
 class SurfelModel {
  public:
   /// Throws InputError when the density is not finite or not positive.
@@ -34,10 +35,11 @@ class SurfelModel {
   [[nodiscard]] const implicit::PrimitiveList& list() const { return list_; }
   [[nodiscard]] const SamplingOptions& sampling() const { return sampling_; }
 
-  /// Adds at the end, in order. Throws InputError, and then changes nothing, when a primitive is refused by PrimitiveList or would
-  /// have more than implicit::kMaxSamples samples.
+  /// Adds at the end, in order. Throws InputError, and then changes nothing, when a primitive is refused by
+  /// PrimitiveList or would have more than implicit::kMaxSamples samples.
   void append(std::span<const implicit::Primitive> primitives, const Execution& execution = {});
-  void insert(std::size_t position, std::span<const implicit::Primitive> primitives, const Execution& execution = {});
+  void insert(std::size_t position, std::span<const implicit::Primitive> primitives,
+              const Execution& execution = {});
   /// Takes out the primitives at positions first .. first + count - 1.
   void remove(std::size_t first, std::size_t count, const Execution& execution = {});
   /// Forgets all surfels and evaluates every sample anew. Changes no result; for measurements and tests.
@@ -50,8 +52,8 @@ class SurfelModel {
   /// The surfels that a list of only the prefix would have, without changing anything.
   [[nodiscard]] std::vector<Surfel> surfels(implicit::Prefix prefix, const Execution& execution = {}) const;
 
-  /// Hash of the density, of the list and of the position and normal of every visible sample: equal states, equal hashes, on every
-  /// machine, thread count, instruction set and compiler.
+  /// Hash of the density, of the list and of the position and normal of every visible sample: equal states,
+  /// equal hashes, on every machine, thread count, instruction set and compiler.
   [[nodiscard]] std::uint64_t stateHash(const Execution& execution = {}) const;
 
   [[nodiscard]] ModelBytes bytes() const;

@@ -8,7 +8,8 @@ void validate(const Camera& c, const std::string& where) {
   const auto reject = [&](const std::string& what, const char* rule) {
     throw InputError(fmt::format("{}: {}; {}", where, what, rule));
   };
-  if (!isFinite(c.position)) reject("the camera's position is not finite", "every coordinate must be a finite number");
+  if (!isFinite(c.position))
+    reject("the camera's position is not finite", "every coordinate must be a finite number");
   if (!isFinite(c.view) || !(dot(c.view, c.view) > 1e-20f) || !(dot(c.view, c.view) < 1e20f))
     reject(fmt::format("the view vector is ({}, {}, {})", c.view.x, c.view.y, c.view.z),
            "it must be finite, with a length between 1e-10 and 1e10");
@@ -16,7 +17,8 @@ void validate(const Camera& c, const std::string& where) {
     reject(fmt::format("the up vector is ({}, {}, {})", c.up.x, c.up.y, c.up.z),
            "it must be finite, with a length between 1e-10 and 1e10");
   const DVec3 side = cross(normalized(DVec3(c.view)), normalized(DVec3(c.up)));
-  if (!(length(side) > 1e-6)) reject("the up vector is parallel to the view vector", "they must span a plane");
+  if (!(length(side) > 1e-6))
+    reject("the up vector is parallel to the view vector", "they must span a plane");
   if (!(c.halfHeight >= 1e-6f && c.halfHeight <= 1e3f))
     reject(fmt::format("the half height is {}", c.halfHeight), "it must lie between 1e-6 and 1000");
   if (c.width < 1 || c.width > 65536 || c.height < 1 || c.height > 65536)
@@ -39,7 +41,8 @@ CameraFrame frameOf(const Camera& c) {
 Ray rayThrough(const Camera& c, ScreenPoint p) {
   const CameraFrame f = frameOf(c);
   // Screen coordinates are small integers, so these are exact up to the division.
-  const double x = (2.0 * p.x - kSubPixels * static_cast<double>(c.width)) / (kSubPixels * static_cast<double>(c.width));
+  const double x =
+      (2.0 * p.x - kSubPixels * static_cast<double>(c.width)) / (kSubPixels * static_cast<double>(c.width));
   const double y =
       (kSubPixels * static_cast<double>(c.height) - 2.0 * p.y) / (kSubPixels * static_cast<double>(c.height));
   Ray ray;
@@ -68,8 +71,10 @@ Camera frameBox(const Box& box, Vec3 view, std::uint32_t width, std::uint32_t he
   c.height = height;
   c.halfHeight = 0.3f;
   const DVec3 forward = normalized(DVec3(view));
-  // A sphere of radius R at distance d has silhouette tangent R / sqrt(d^2 - R^2); it is to be fill * (half the shorter side).
-  const double shorter = static_cast<double>(c.halfHeight) * (width < height ? static_cast<double>(width) / height : 1.0);
+  // A sphere of radius R at distance d has silhouette tangent R / sqrt(d^2 - R^2); it is to be fill * (half
+  // the shorter side).
+  const double shorter =
+      static_cast<double>(c.halfHeight) * (width < height ? static_cast<double>(width) / height : 1.0);
   const double tangent = shorter * static_cast<double>(fill);
   const double distance = radius * std::sqrt(1.0 + 1.0 / (tangent * tangent));
   c.position = Point(center - distance * forward);

@@ -12,8 +12,8 @@ namespace restroke {
 /// Sub-pixel units of screen coordinates: 1/16 pixel.
 inline constexpr int kSubPixels = 16;
 
-/// A place on the screen in 1/16 pixels, x to the right, y down, (0, 0) the top left corner of the top left pixel.
-/// The centre of pixel (i, j) is (16 i + 8, 16 j + 8).
+/// A place on the screen in 1/16 pixels, x to the right, y down, (0, 0) the top left corner of the top left
+/// pixel. The centre of pixel (i, j) is (16 i + 8, 16 j + 8).
 struct ScreenPoint {
   std::int32_t x = 0;
   std::int32_t y = 0;
@@ -23,12 +23,13 @@ struct ScreenPoint {
 /// Perspective camera. Everything that it computes uses + - * / and sqrt in double, in a fixed order.
 struct Camera {
   Point position{0, 0, 4};
-  Vec3 view{0, 0, -1};          ///< direction of sight, any length but 0
-  Vec3 up{0, 1, 0};             ///< not parallel to `view`
-  float halfHeight = 0.3f;      ///< half the image's height at unit distance (tangent of half the field of view), > 0
-  std::uint32_t width = 1280;   ///< viewport in pixels, 1 to 65,536
+  Vec3 view{0, 0, -1};  ///< direction of sight, any length but 0
+  Vec3 up{0, 1, 0};     ///< not parallel to `view`
+  float halfHeight =
+      0.3f;  ///< half the image's height at unit distance (tangent of half the field of view), > 0
+  std::uint32_t width = 1280;  ///< viewport in pixels, 1 to 65,536
   std::uint32_t height = 720;
-  float near = 0.01f;           ///< clipping distances along `view`, 0 < near < far
+  float near = 0.01f;  ///< clipping distances along `view`, 0 < near < far
   float far = 100.0f;
 
   bool operator==(const Camera&) const = default;
@@ -45,18 +46,21 @@ void validate(const Camera& camera, const std::string& where);
 
 [[nodiscard]] CameraFrame frameOf(const Camera& camera);
 
-/// Ray through a screen point; direction has component 1 along the view, so t is the depth and runs from near to far.
+/// Ray through a screen point; direction has component 1 along the view, so t is the depth and runs from near
+/// to far.
 [[nodiscard]] Ray rayThrough(const Camera& camera, ScreenPoint p);
 
-/// Screen place in pixels (not rounded) and depth along the view of a model point; depth <= 0 is behind the camera,
-/// and then x and y mean nothing.
+/// Screen place in pixels (not rounded) and depth along the view of a model point; depth <= 0 is behind the
+/// camera, and then x and y mean nothing.
 struct Projection {
   double x = 0, y = 0, depth = 0;
 };
 [[nodiscard]] Projection project(const CameraFrame& frame, const Camera& camera, DVec3 p);
 
-/// A camera of the given viewport that looks along `view` at the box's centre and frames the box's bounding sphere: the sphere
-/// spans `fill` of the shorter side of the image. Field of view: half height 0.3. An empty box is framed as a unit sphere.
-[[nodiscard]] Camera frameBox(const Box& box, Vec3 view, std::uint32_t width, std::uint32_t height, float fill = 0.9f);
+/// A camera of the given viewport that looks along `view` at the box's centre and frames the box's bounding
+/// sphere: the sphere spans `fill` of the shorter side of the image. Field of view: half height 0.3. An empty
+/// box is framed as a unit sphere.
+[[nodiscard]] Camera frameBox(const Box& box, Vec3 view, std::uint32_t width, std::uint32_t height,
+                              float fill = 0.9f);
 
 }  // namespace restroke

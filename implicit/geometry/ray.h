@@ -4,8 +4,8 @@
 
 namespace restroke {
 
-/// The points origin + t * direction for tMin <= t <= tMax. The direction need not be a unit vector; t counts in
-/// lengths of it.
+/// The points origin + t * direction for tMin <= t <= tMax. The direction need not be a unit vector; t counts
+/// in lengths of it.
 struct Ray {
   DVec3 origin{0};
   DVec3 direction{0, 0, -1};

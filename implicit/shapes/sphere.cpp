@@ -4,7 +4,9 @@ namespace restroke::implicit {
 
 Box boundsOf(const Sphere& s) {
   // Rounded outwards by more than the additions can lose.
-  const float pad = s.radius + (std::fabs(s.center.x) + std::fabs(s.center.y) + std::fabs(s.center.z) + s.radius) * 0x1p-22f;
+  const float pad =
+      s.radius +
+      (std::fabs(s.center.x) + std::fabs(s.center.y) + std::fabs(s.center.z) + s.radius) * 0x1p-22f;
   return {s.center - Vec3(pad), s.center + Vec3(pad)};
 }
 

@@ -15,8 +15,8 @@ struct Sphere {
   bool operator==(const Sphere&) const = default;
 };
 
-/// True in the ball and on its boundary. The float32 operations and their order are the definition: SIMD code repeats
-/// them, so the answer is the same bits everywhere.
+/// True in the ball and on its boundary. The float32 operations and their order are the definition: SIMD code
+/// repeats them, so the answer is the same bits everywhere.
 [[nodiscard]] inline bool contains(const Sphere& s, Point p) {
   const float dx = p.x - s.center.x, dy = p.y - s.center.y, dz = p.z - s.center.z;
   return dx * dx + dy * dy + dz * dz <= s.radius * s.radius;

@@ -14,8 +14,9 @@ std::uint32_t sampleCount(const Sphere& s, float density) {
   const double fourPi = 12.566370614359172;
   const double wanted = static_cast<double>(density) * fourPi * static_cast<double>(s.radius) * s.radius;
   if (!(wanted <= kMaxSamples * 0.98))
-    throw InputError(fmt::format("a sphere of radius {} at density {} would have {:.3g} samples; a primitive may have {} at most",
-                                 s.radius, density, wanted, kMaxSamples));
+    throw InputError(fmt::format(
+        "a sphere of radius {} at density {} would have {:.3g} samples; a primitive may have {} at most",
+        s.radius, density, wanted, kMaxSamples));
   const auto n = static_cast<std::uint32_t>(wanted);
   std::uint32_t step = kPatch;
   while (n / step >= 64) step *= 2;
@@ -29,8 +30,8 @@ struct Direction {
   std::uint32_t index;
 };
 
-// The lattice in its own order. Angles advance by the golden angle, as products of unit complex numbers; double leaves an error of
-// at most n * 2^-52, far below the float32 that is kept.
+// The lattice in its own order. Angles advance by the golden angle, as products of unit complex numbers;
+// double leaves an error of at most n * 2^-52, far below the float32 that is kept.
 std::vector<Direction> fibonacciLattice(std::uint32_t n) {
   const double cosGolden = -0.7373688780783199, sinGolden = 0.6754902942615236;
   std::vector<Direction> out(n);
@@ -46,7 +47,8 @@ std::vector<Direction> fibonacciLattice(std::uint32_t n) {
   return out;
 }
 
-// Sorts so that aligned runs of 16, 256, 4096, ... directions are compact: halves at such multiples, across the longest axis.
+// Sorts so that aligned runs of 16, 256, 4096, ... directions are compact: halves at such multiples, across
+// the longest axis.
 void makeCompact(Direction* first, std::size_t n) {
   if (n <= kPatch) return;
   std::size_t block = kPatch;
@@ -65,8 +67,8 @@ void makeCompact(Direction* first, std::size_t n) {
   for (int a = 1; a < 3; ++a)
     if (hi[a] - lo[a] > hi[axis] - lo[axis]) axis = a;
   const auto key = [axis](const Direction& d) { return axis == 0 ? d.x : axis == 1 ? d.y : d.z; };
-  // Which directions go left is unique, because the index breaks ties; the order within a half does not matter until the
-  // half is a patch, and patches are sorted at the end.
+  // Which directions go left is unique, because the index breaks ties; the order within a half does not
+  // matter until the half is a patch, and patches are sorted at the end.
   std::nth_element(first, first + left, first + n, [&](const Direction& a, const Direction& b) {
     const float ka = key(a), kb = key(b);
     return ka < kb || (ka == kb && a.index < b.index);
@@ -85,7 +87,8 @@ SphereSamples::SphereSamples(std::uint32_t count) {
   y_.resize(count);
   z_.resize(count);
   for (std::size_t p = 0; p < count; p += kPatch) {
-    std::sort(lattice.begin() + static_cast<std::ptrdiff_t>(p), lattice.begin() + static_cast<std::ptrdiff_t>(p + kPatch),
+    std::sort(lattice.begin() + static_cast<std::ptrdiff_t>(p),
+              lattice.begin() + static_cast<std::ptrdiff_t>(p + kPatch),
               [](const Direction& a, const Direction& b) { return a.index < b.index; });
     for (std::size_t i = p; i < p + kPatch; ++i) {
       x_[i] = lattice[i].x;
@@ -112,7 +115,8 @@ SphereSamples::SphereSamples(std::uint32_t count) {
       b.z[k] = static_cast<float>(mean.z);
       double farthest = 0;
       for (std::size_t i = first; i < last; ++i)
-        farthest = std::max(farthest, length(DVec3(direction(static_cast<std::uint32_t>(i))) - DVec3(b.x[k], b.y[k], b.z[k])));
+        farthest = std::max(farthest, length(DVec3(direction(static_cast<std::uint32_t>(i))) -
+                                             DVec3(b.x[k], b.y[k], b.z[k])));
       b.radius[k] = static_cast<float>(farthest * 1.00001 + 1e-6);
     }
     bounds_.push_back(std::move(b));
@@ -166,7 +170,8 @@ std::size_t SphereSamples::bytesOfAll() {
 }
 
 SphereTolerance toleranceOf(const Sphere& s) {
-  const float m = std::max(std::max(std::fabs(s.center.x), std::fabs(s.center.y)), std::fabs(s.center.z)) + s.radius;
+  const float m =
+      std::max(std::max(std::fabs(s.center.x), std::fabs(s.center.y)), std::fabs(s.center.z)) + s.radius;
   return {s.radius + m * 0x1p-18f, s.radius + m * 0x1p-19f, m * 0x1p-17f};
 }
 

@@ -12,17 +12,19 @@ namespace restroke::implicit {
 /// Most samples that one primitive may have.
 inline constexpr std::uint32_t kMaxSamples = 1u << 26;
 
-/// How many samples a sphere gets at a density (samples per square model unit): the nearest number of a ladder whose steps
-/// are at most 1/32, so that few tables serve many radii; at least kPatch, always a multiple of it. Throws InputError
-/// beyond kMaxSamples.
+/// How many samples a sphere gets at a density (samples per square model unit): the nearest number of a
+/// ladder whose steps are at most 1/32, so that few tables serve many radii; at least kPatch, always a
+/// multiple of it. Throws InputError beyond kMaxSamples.
 [[nodiscard]] std::uint32_t sampleCount(const Sphere& s, float density);
 
-/// A table of unit directions: a spherical Fibonacci lattice (equal area per sample; Gonzalez, "Measurement of areas on a sphere
-/// using Fibonacci and latitude-longitude lattices", Mathematical Geosciences 42, 2010), reordered so that every run of
-/// 16^k directions from a multiple of 16^k on is a compact patch, with the tree of those patches' bounding spheres.
+/// A table of unit directions: a spherical Fibonacci lattice (equal area per sample; Gonzalez, "Measurement
+/// of areas on a sphere using Fibonacci and latitude-longitude lattices", Mathematical Geosciences 42, 2010),
+/// reordered so that every run of 16^k directions from a multiple of 16^k on is a compact patch, with the
+/// tree of those patches' bounding spheres.
 class SphereSamples {
  public:
-  /// The table of `count` directions (a value of sampleCount), made at the first call and shared from then on. Thread-safe.
+  /// The table of `count` directions (a value of sampleCount), made at the first call and shared from then
+  /// on. Thread-safe.
   static const SphereSamples& ofCount(std::uint32_t count);
   /// Bytes of all tables made so far.
   static std::size_t bytesOfAll();
@@ -47,11 +49,13 @@ class SphereSamples {
   PatchTree tree_{};
 };
 
-/// The tolerances that settle coincident boundaries (SPEC S3), from the rounding that float32 leaves: the coordinates of a sphere's
-/// surface are at most `m` = max |c| + r, a computed sample is off the sphere by less than 2^-21.4 m, and so is a side test's verdict.
+/// The tolerances that settle coincident boundaries (SPEC S3), from the rounding that float32 leaves: the
+/// coordinates of a sphere's surface are at most `m` = max |c| + r, a computed sample is off the sphere by
+/// less than 2^-21.4 m, and so is a side test's verdict.
 struct SphereTolerance {
   float keepRadius;  ///< of the sphere just outside, on which the keep test is made: r + 2^-18 m
-  float dropRadius;  ///< of the ball that drops older samples: r + 2^-19 m, less than keepRadius, so that no gap opens between the tests
+  float dropRadius;  ///< of the ball that drops older samples: r + 2^-19 m, less than keepRadius, so that no
+                     ///< gap opens between the tests
   float slack;       ///< 2^-17 m, more than either plus all rounding
 };
 [[nodiscard]] SphereTolerance toleranceOf(const Sphere& s);
@@ -61,7 +65,8 @@ struct SphereTolerance {
 
 /// Position of sample i: center + radius * direction, in float32.
 [[nodiscard]] inline Point samplePosition(const Sphere& s, Vec3 direction) {
-  return {s.center.x + s.radius * direction.x, s.center.y + s.radius * direction.y, s.center.z + s.radius * direction.z};
+  return {s.center.x + s.radius * direction.x, s.center.y + s.radius * direction.y,
+          s.center.z + s.radius * direction.z};
 }
 
 }  // namespace restroke::implicit

@@ -13,9 +13,12 @@ extern const BallKernels kBallKernelsSse2, kBallKernelsAvx2, kBallKernelsAvx512;
 
 std::string_view nameOf(SimdLevel level) {
   switch (level) {
-    case SimdLevel::Sse2: return "sse2";
-    case SimdLevel::Avx2: return "avx2";
-    case SimdLevel::Avx512: return "avx512";
+    case SimdLevel::Sse2:
+      return "sse2";
+    case SimdLevel::Avx2:
+      return "avx2";
+    case SimdLevel::Avx512:
+      return "avx512";
   }
   return "?";
 }
@@ -45,8 +48,12 @@ std::atomic<SimdLevel>& current() {
 
 }  // namespace
 
-SimdLevel simdLevel() { return current().load(std::memory_order_relaxed); }
-std::string_view simdLevelName() { return nameOf(simdLevel()); }
+SimdLevel simdLevel() {
+  return current().load(std::memory_order_relaxed);
+}
+std::string_view simdLevelName() {
+  return nameOf(simdLevel());
+}
 
 void useSimdLevel(SimdLevel level) {
   const std::vector<SimdLevel> levels = supportedSimdLevels();
@@ -58,13 +65,18 @@ void useSimdLevel(SimdLevel level) {
 
 const BallKernels& ballKernels(SimdLevel level) {
   switch (level) {
-    case SimdLevel::Avx512: return kBallKernelsAvx512;
-    case SimdLevel::Avx2: return kBallKernelsAvx2;
-    case SimdLevel::Sse2: break;
+    case SimdLevel::Avx512:
+      return kBallKernelsAvx512;
+    case SimdLevel::Avx2:
+      return kBallKernelsAvx2;
+    case SimdLevel::Sse2:
+      break;
   }
   return kBallKernelsSse2;
 }
 
-const BallKernels& ballKernels() { return ballKernels(simdLevel()); }
+const BallKernels& ballKernels() {
+  return ballKernels(simdLevel());
+}
 
 }  // namespace restroke::implicit

@@ -14,11 +14,13 @@ enum class SimdLevel { Sse2, Avx2, Avx512 };
 /// The levels that this processor runs, lowest first.
 [[nodiscard]] std::vector<SimdLevel> supportedSimdLevels();
 
-/// The level in use: the highest supported one, or what the environment variable RESTROKE_SIMD names, if supported.
+/// The level in use: the highest supported one, or what the environment variable RESTROKE_SIMD names, if
+/// supported.
 [[nodiscard]] SimdLevel simdLevel();
 [[nodiscard]] std::string_view simdLevelName();
 
-/// Uses another supported level from now on; for tests and benchmarks. Throws InputError when the processor lacks it.
+/// Uses another supported level from now on; for tests and benchmarks. Throws InputError when the processor
+/// lacks it.
 void useSimdLevel(SimdLevel level);
 
 }  // namespace restroke::implicit

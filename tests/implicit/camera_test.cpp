@@ -30,7 +30,8 @@ TEST(Camera, ProjectUndoesRayThrough) {
     c.width = 1 + static_cast<unsigned>(random.below(2000));
     c.height = 1 + static_cast<unsigned>(random.below(2000));
     c.halfHeight = random.between(0.05f, 2);
-    const ScreenPoint p{static_cast<int>(random.below(c.width * 16)), static_cast<int>(random.below(c.height * 16))};
+    const ScreenPoint p{static_cast<int>(random.below(c.width * 16)),
+                        static_cast<int>(random.below(c.height * 16))};
     const double depth = 0.5 + static_cast<double>(random.between(0, 10));
     const Projection q = project(frameOf(c), c, rayThrough(c, p).at(depth));
     EXPECT_NEAR(q.x * 16, p.x, 1e-7);
@@ -59,7 +60,8 @@ TEST(Camera, FrameBoxMakesTheBoundingSphereSpanTheAskedPartOfTheShorterSide) {
 }
 
 TEST(Camera, FrameBoxTakesAnyDirectionAndAnEmptyBox) {
-  for (const Vec3 v : {Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(1, 0, 0), Vec3(0, 0, 5)}) validate(frameBox({}, v, 10, 10), "test");
+  for (const Vec3 v : {Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(1, 0, 0), Vec3(0, 0, 5)})
+    validate(frameBox({}, v, 10, 10), "test");
 }
 
 TEST(Camera, RefusesWhatNoRayCanBeCastThrough) {

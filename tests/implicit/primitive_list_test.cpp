@@ -8,7 +8,9 @@
 namespace restroke::implicit {
 namespace {
 
-Primitive sphere(float x, float r = 0.1f) { return {{{x, 0, 0}, r}, Sign::Positive}; }
+Primitive sphere(float x, float r = 0.1f) {
+  return {{{x, 0, 0}, r}, Sign::Positive};
+}
 
 TEST(PrimitiveList, EmptyListHasEmptyBounds) {
   const PrimitiveList list;

@@ -12,8 +12,12 @@
 namespace restroke::implicit {
 namespace {
 
-Primitive add(Point c, float r) { return {{c, r}, Sign::Positive}; }
-Primitive carve(Point c, float r) { return {{c, r}, Sign::Negative}; }
+Primitive add(Point c, float r) {
+  return {{c, r}, Sign::Positive};
+}
+Primitive carve(Point c, float r) {
+  return {{c, r}, Sign::Negative};
+}
 
 PrimitiveList listOf(const std::vector<Primitive>& plain, float cell = 0.1f) {
   PrimitiveList list({.cell = cell});
@@ -32,7 +36,8 @@ std::optional<double> firstCrossing(const std::vector<Primitive>& plain, const R
   std::sort(events.begin(), events.end());
   const auto inside = [&](double t) {
     for (std::size_t i = intervals.size(); i-- > 0;)
-      if (intervals[i] && intervals[i]->enter <= t && t < intervals[i]->exit) return plain[i].sign == Sign::Positive;
+      if (intervals[i] && intervals[i]->enter <= t && t < intervals[i]->exit)
+        return plain[i].sign == Sign::Positive;
     return false;
   };
   bool before = inside(ray.tMin);
@@ -45,9 +50,13 @@ std::optional<double> firstCrossing(const std::vector<Primitive>& plain, const R
   return std::nullopt;
 }
 
-Ray through(DVec3 from, DVec3 to) { return {from, to - from, 0, 1e6}; }
+Ray through(DVec3 from, DVec3 to) {
+  return {from, to - from, 0, 1e6};
+}
 
-TEST(CastRay, EmptyListIsMissed) { EXPECT_FALSE(castRay(PrimitiveList(), through({0, 0, 5}, {0, 0, 0}))); }
+TEST(CastRay, EmptyListIsMissed) {
+  EXPECT_FALSE(castRay(PrimitiveList(), through({0, 0, 5}, {0, 0, 0})));
+}
 
 TEST(CastRay, HitsTheNearSideOfASphereWithItsOutwardNormal) {
   const auto hit = castRay(listOf({add({0, 0, 0}, 1)}), through({0, 0, 5}, {0, 0, 0}));
@@ -89,7 +98,8 @@ TEST(CastRay, StopsAtItsRange) {
 }
 
 TEST(CastRay, WhatWasCarvedExactlyIsNotHit) {
-  EXPECT_FALSE(castRay(listOf({add({0.3f, 0, 0}, 0.7f), carve({0.3f, 0, 0}, 0.7f)}), through({0, 0, 5}, {0.1, 0.2, 0})));
+  EXPECT_FALSE(castRay(listOf({add({0.3f, 0, 0}, 0.7f), carve({0.3f, 0, 0}, 0.7f)}),
+                       through({0, 0, 5}, {0.1, 0.2, 0})));
 }
 
 TEST(CastRay, S7EqualsTheDefinitionOnRandomListsRaysPrefixesAndCells) {
@@ -102,7 +112,7 @@ TEST(CastRay, S7EqualsTheDefinitionOnRandomListsRaysPrefixesAndCells) {
       const PrimitiveList list = listOf(plain, cell);
       for (int k = 0; k < 400; ++k) {
         DVec3 from = DVec3(random.inCube(3)), to = DVec3(random.inCube(1));
-        if (k % 5 == 0) from.x = to.x;            // along a coordinate plane
+        if (k % 5 == 0) from.x = to.x;                    // along a coordinate plane
         if (k % 10 == 0) from.y = to.y = 0.1 * k * 0.01;  // and on a cell's face
         Ray ray = through(from, to);
         if (k % 7 == 0) ray.tMax = static_cast<double>(random.between(0.5f, 1.5f));

@@ -22,7 +22,8 @@ TEST(SphereSamples, AreUnitVectorsOfEqualAreaWithSmallGaps) {
       sum += DVec3(table.direction(i));
     }
     EXPECT_LT(length(sum) / n, 2.0 / n);
-    // Discrepancy: caps of random centre and size hold their share of the samples, within the lattice's known order n^(-3/4).
+    // Discrepancy: caps of random centre and size hold their share of the samples, within the lattice's known
+    // order n^(-3/4).
     testing::Random random(n);
     double worst = 0;
     for (int k = 0; k < 300; ++k) {
@@ -60,7 +61,8 @@ TEST(SphereSamples, EveryBoundOfTheTreeHoldsItsSamplesAndIsSmall) {
       EXPECT_LE(length(table.direction(i) - c), tree.level[l].radius[node]);
     }
     for (std::uint32_t node = 0; node < tree.level[l].count; ++node)
-      sum += static_cast<double>(tree.level[l].radius[node]) * static_cast<double>(tree.level[l].radius[node]);
+      sum +=
+          static_cast<double>(tree.level[l].radius[node]) * static_cast<double>(tree.level[l].radius[node]);
     // The discs' areas add up to a few times the sphere's.
     EXPECT_LT(3.14159 * sum, 4 * 3.14159 * 4) << "level " << l;
   }
@@ -86,7 +88,8 @@ TEST(SphereSamples, X1FirstDirectionsAreTheseBits) {
   const SphereSamples& table = SphereSamples::ofCount(160);
   double sum = 0;
   for (std::uint32_t i = 0; i < 160; ++i)
-    sum += static_cast<double>(table.direction(i).x) * (i + 1) + static_cast<double>(table.direction(i).y) * (2 * i + 1) +
+    sum += static_cast<double>(table.direction(i).x) * (i + 1) +
+           static_cast<double>(table.direction(i).y) * (2 * i + 1) +
            static_cast<double>(table.direction(i).z) * (3 * i + 1);
   EXPECT_EQ(fmt::format("{:a}", sum), "0x1.13009cd62e4p+13");
 }

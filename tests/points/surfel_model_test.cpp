@@ -20,8 +20,12 @@ using testing::Random;
 
 constexpr float kDensity = 900;
 
-Primitive add(Point c, float r) { return {{c, r}, Sign::Positive}; }
-Primitive carve(Point c, float r) { return {{c, r}, Sign::Negative}; }
+Primitive add(Point c, float r) {
+  return {{c, r}, Sign::Positive};
+}
+Primitive carve(Point c, float r) {
+  return {{c, r}, Sign::Negative};
+}
 
 SurfelModel modelOf(const std::vector<Primitive>& list, float density = kDensity) {
   SurfelModel model({.density = density});
@@ -87,7 +91,8 @@ TEST(SurfelModel, S3AddOnAddOfTheSameSphereHasOneOwner) {
 
 TEST(SurfelModel, S3CarveOnCarveOfTheSameSphereHasOneOwner) {
   const SurfelModel once = modelOf({add({0, 0, 0}, 1), carve({0, 0.9f, 0}, 0.3f)});
-  const SurfelModel twice = modelOf({add({0, 0, 0}, 1), carve({0, 0.9f, 0}, 0.3f), carve({0, 0.9f, 0}, 0.3f)});
+  const SurfelModel twice =
+      modelOf({add({0, 0, 0}, 1), carve({0, 0.9f, 0}, 0.3f), carve({0, 0.9f, 0}, 0.3f)});
   const auto n = surfelsByPrimitive(twice);
   EXPECT_EQ(n[1], 0u);
   EXPECT_EQ(n[2], surfelsByPrimitive(once)[1]);
@@ -100,7 +105,8 @@ TEST(SurfelModel, S3CarvingExactlyWhatWasAddedLeavesNothing) {
 }
 
 TEST(SurfelModel, S3AddingExactlyWhatWasCarvedInsideASolidLeavesNoSurfaceThere) {
-  const auto n = surfelsByPrimitive(modelOf({add({0, 0, 0}, 1), carve({0.1f, 0, 0}, 0.3f), add({0.1f, 0, 0}, 0.3f)}));
+  const auto n =
+      surfelsByPrimitive(modelOf({add({0, 0, 0}, 1), carve({0.1f, 0, 0}, 0.3f), add({0.1f, 0, 0}, 0.3f)}));
   EXPECT_EQ(n[1], 0u);
   EXPECT_EQ(n[2], 0u);
 }
@@ -184,7 +190,8 @@ TEST(SurfelModel, PrefixSurfelsAreThoseOfTheShorterList) {
   for (int i = 0; i < 40; ++i) list.push_back(testing::randomPrimitive(random, list));
   const SurfelModel model = modelOf(list);
   for (const std::size_t k : {0u, 1u, 2u, 17u, 40u, 41u, 99u}) {
-    const std::vector<Primitive> part(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(k, list.size())));
+    const std::vector<Primitive> part(
+        list.begin(), list.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(k, list.size())));
     expectSame(model.surfels(implicit::Prefix{k}), modelOf(part).surfels(), "prefix " + std::to_string(k));
   }
 }
@@ -210,7 +217,8 @@ TEST(SurfelModel, S6AnyWalkOfAppendsRemovalsAndInsertionsEqualsFromScratchEachTi
       const std::size_t count = std::min(n + (list.size() > 60 ? 20 : 0), list.size());
       const std::size_t first = kind == 2 ? list.size() - count : random.below(list.size() - count + 1);
       model.remove(first, count, {.threads = static_cast<int>(1 + random.below(3))});
-      list.erase(list.begin() + static_cast<std::ptrdiff_t>(first), list.begin() + static_cast<std::ptrdiff_t>(first + count));
+      list.erase(list.begin() + static_cast<std::ptrdiff_t>(first),
+                 list.begin() + static_cast<std::ptrdiff_t>(first + count));
     }
     const SurfelModel scratch = modelOf(list, 400);
     ASSERT_EQ(model.surfelCount(), scratch.surfelCount()) << "seed " << seed << " step " << step;
@@ -269,9 +277,9 @@ TEST(SurfelModel, RefusesBadPrimitivesAndKeepsItsState) {
   SurfelModel model = modelOf({add({0, 0, 0}, 1)});
   const std::uint64_t before = model.stateHash();
   const float nan = std::nanf(""), inf = std::numeric_limits<float>::infinity();
-  for (const Sphere& bad : {Sphere{{0, 0, 0}, 0}, Sphere{{0, 0, 0}, -1}, Sphere{{nan, 0, 0}, 1}, Sphere{{0, inf, 0}, 1},
-                            Sphere{{0, 0, 0}, nan}, Sphere{{0, 0, 0}, inf}, Sphere{{0, 2e6f, 0}, 1}, Sphere{{0, 0, 1e5f}, 1e-3f},
-                            Sphere{{0, 0, 0}, 9e5f}}) {
+  for (const Sphere& bad : {Sphere{{0, 0, 0}, 0}, Sphere{{0, 0, 0}, -1}, Sphere{{nan, 0, 0}, 1},
+                            Sphere{{0, inf, 0}, 1}, Sphere{{0, 0, 0}, nan}, Sphere{{0, 0, 0}, inf},
+                            Sphere{{0, 2e6f, 0}, 1}, Sphere{{0, 0, 1e5f}, 1e-3f}, Sphere{{0, 0, 0}, 9e5f}}) {
     const std::vector<Primitive> two{add({0, 0, 1}, 0.1f), {bad, Sign::Positive}};
     EXPECT_THROW(model.append(two), InputError) << bad.radius;
     EXPECT_EQ(model.stateHash(), before);

@@ -75,7 +75,9 @@ inline Primitive randomPrimitive(Random& random, const std::vector<Primitive>& l
   }
   Point c = random.inCube(1);
   if (kind < 8) c = c * (1.0f / std::fmax(length(c), 0.01f));
-  const float radius = kind == 8 ? random.between(0.3f, 1.2f) : kind == 9 ? random.between(0.002f, 0.02f) : random.between(0.05f, 0.2f);
+  const float radius = kind == 8   ? random.between(0.3f, 1.2f)
+                       : kind == 9 ? random.between(0.002f, 0.02f)
+                                   : random.between(0.05f, 0.2f);
   return {{c, radius}, sign};
 }
 

@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/atomic_file.h"
-#include "../../../work/main/implicit/atomic_file.h"

@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/clusters.h"
-#include "../../../work/main/implicit/clusters.h"

@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/errors.h"
-#include "../../../work/main/implicit/errors.h"

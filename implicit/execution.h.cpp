@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/execution.h"
-#include "../../../work/main/implicit/execution.h"

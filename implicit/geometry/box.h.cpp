@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/geometry/box.h"
-#include "../../../work/main/implicit/geometry/box.h"

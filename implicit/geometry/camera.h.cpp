@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/geometry/camera.h"
-#include "../../../work/main/implicit/geometry/camera.h"

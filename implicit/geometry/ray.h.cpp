@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/geometry/ray.h"
-#include "../../../work/main/implicit/geometry/ray.h"

@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/geometry/vec.h"
-#include "../../../work/main/implicit/geometry/vec.h"

@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/near_balls.h"
-#include "../../../work/main/implicit/near_balls.h"

@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/parallel.h"
-#include "../../../work/main/implicit/parallel.h"

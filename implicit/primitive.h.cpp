@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/primitive.h"
-#include "../../../work/main/implicit/primitive.h"

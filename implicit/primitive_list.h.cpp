@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/primitive_list.h"
-#include "../../../work/main/implicit/primitive_list.h"

@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/ray_cast.h"
-#include "../../../work/main/implicit/ray_cast.h"

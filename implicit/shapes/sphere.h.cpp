@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/shapes/sphere.h"
-#include "../../../work/main/implicit/shapes/sphere.h"

@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/shapes/sphere_samples.h"
-#include "../../../work/main/implicit/shapes/sphere_samples.h"

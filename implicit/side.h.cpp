@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/side.h"
-#include "../../../work/main/implicit/side.h"

@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/simd/ball_kernels.h"
-#include "../../../work/main/implicit/simd/ball_kernels.h"

@@ -1,2 +1,0 @@
-#include "../../../work/main/implicit/simd/dispatch.h"
-#include "../../../work/main/implicit/simd/dispatch.h"

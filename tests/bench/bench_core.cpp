@@ -1,0 +1,103 @@
+// The core's operations, one by one (Google Benchmark). `bench_core --benchmark_filter=Stamp` runs a part.
+
+#include <benchmark/benchmark.h>
+
+#include "implicit/geometry/camera.h"
+#include "implicit/ray_cast.h"
+#include "implicit/side.h"
+#include "points/surfel_model.h"
+#include "tests/bench/stamp_source.h"
+
+namespace restroke::bench {
+namespace {
+
+const StampSource& source() {
+  static const StampSource s = loadStamps();
+  return s;
+}
+
+points::SurfelModel modelOf(float cell) {
+  points::SurfelModel model({.density = 14000}, {.cell = cell});
+  model.append(source().primitives);
+  return model;
+}
+
+// Cell size in thousandths of a model unit: why ClusterOptions::cell is 0.1 of the model's half size.
+void Replay(benchmark::State& state) {
+  for (auto _ : state)
+    benchmark::DoNotOptimize(modelOf(static_cast<float>(state.range(0)) * 1e-3f).surfelCount());
+  state.counters["us/stamp"] =
+      benchmark::Counter(static_cast<double>(source().primitives.size()) * 1e-6,
+                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["cluster bytes/primitive"] =
+      static_cast<double>(modelOf(static_cast<float>(state.range(0)) * 1e-3f).bytes().clusters) /
+      static_cast<double>(source().primitives.size());
+}
+BENCHMARK(Replay)->Arg(30)->Arg(50)->Arg(70)->Arg(100)->Arg(150)->Arg(200)->Arg(400)->Unit(
+    benchmark::kMillisecond);
+
+void Rays(benchmark::State& state) {
+  const points::SurfelModel model = modelOf(static_cast<float>(state.range(0)) * 1e-3f);
+  const Camera camera = frameBox(model.list().bounds(), {-1, -1, -2}, 640, 360);
+  std::int32_t i = 0;
+  std::size_t hits = 0;
+  for (auto _ : state) {
+    const ScreenPoint p{(i * 7919) % (640 * 16), (i * 104729) % (360 * 16)};
+    hits += implicit::castRay(model.list(), rayThrough(camera, p)).has_value();
+    i = (i + 1) % 20000;
+  }
+  state.SetItemsProcessed(state.iterations());
+  state.counters["hit share"] = static_cast<double>(hits) / static_cast<double>(state.iterations());
+}
+BENCHMARK(Rays)->Arg(50)->Arg(100)->Arg(200);
+
+void Rebuild(benchmark::State& state) {
+  points::SurfelModel model = modelOf(0.1f);
+  for (auto _ : state) model.rebuild({.threads = static_cast<int>(state.range(0))});
+}
+BENCHMARK(Rebuild)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void UndoInTheMiddle(benchmark::State& state) {
+  points::SurfelModel model = modelOf(0.1f);
+  std::size_t stroke = 0, first = 1;
+  for (auto _ : state) {
+    const std::size_t n = source().strokes[stroke];
+    model.remove(first, n, {.threads = 1});
+    state.PauseTiming();
+    model.insert(first, std::span(source().primitives).subspan(first, n));
+    first += n;
+    if (++stroke == source().strokes.size()) stroke = 0, first = 1;
+    state.ResumeTiming();
+  }
+}
+BENCHMARK(UndoInTheMiddle)->Unit(benchmark::kMicrosecond);
+
+void Surfels(benchmark::State& state) {
+  const points::SurfelModel model = modelOf(0.1f);
+  for (auto _ : state) benchmark::DoNotOptimize(model.surfels({.threads = 1}).data());
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(model.surfelCount()));
+}
+BENCHMARK(Surfels)->Unit(benchmark::kMillisecond);
+
+void Sides(benchmark::State& state) {
+  const points::SurfelModel model = modelOf(0.1f);
+  std::vector<Point> points;
+  for (const points::Surfel& s : model.surfels()) points.push_back(s.position + s.normal * 0.001f);
+  std::vector<implicit::Side> sides(points.size());
+  const bool batch = state.range(0) != 0;
+  for (auto _ : state) {
+    if (batch)
+      sidesOf(model.list(), points, sides, {}, {.threads = 1});
+    else
+      for (std::size_t i = 0; i < points.size(); ++i) sides[i] = sideOf(model.list(), points[i]);
+    benchmark::DoNotOptimize(sides.data());
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
+  state.SetLabel(batch ? "batch" : "one by one");
+}
+BENCHMARK(Sides)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace restroke::bench
+
+BENCHMARK_MAIN();
