@@ -85,6 +85,16 @@ Box PrimitiveList::bounds(Prefix prefix) const {
   return box;
 }
 
+Sphere PrimitiveList::boundingSphere(Prefix prefix) const {
+  Sphere out{bounds(prefix).center(), 0};
+  const std::size_t end = std::min(prefix.count, size());
+  for (std::size_t i = 0; i < end; ++i) {
+    const Sphere& s = at(i).shape;
+    if (at(i).sign == Sign::Positive) out.radius = std::max(out.radius, length(s.center - out.center) + s.radius);
+  }
+  return out;
+}
+
 PrimitiveList::Label PrimitiveList::labelEnd(Prefix prefix) const {
   return prefix.count < size() ? labels_[order_[prefix.count]] : std::numeric_limits<Label>::max();
 }

@@ -63,26 +63,22 @@ Projection project(const CameraFrame& f, const Camera& c, DVec3 p) {
   return out;
 }
 
-Camera frameBox(const Box& box, Vec3 view, std::uint32_t width, std::uint32_t height, float fill) {
-  const DVec3 center = DVec3(box.center());
-  const double radius = box.empty() ? 1.0 : std::fmax(static_cast<double>(box.halfDiagonal()), 1e-6);
+Camera frameSphere(Point center, float radius, const Framing& framing) {
+  const double r = radius > 0 ? static_cast<double>(radius) : 1.0;
+  const DVec3 forward = normalized(DVec3(framing.view));
   Camera c;
-  c.width = width;
-  c.height = height;
+  c.width = framing.width;
+  c.height = framing.height;
   c.halfHeight = 0.3f;
-  const DVec3 forward = normalized(DVec3(view));
-  // A sphere of radius R at distance d has silhouette tangent R / sqrt(d^2 - R^2); it is to be fill * (half
-  // the shorter side).
-  const double shorter =
-      static_cast<double>(c.halfHeight) * (width < height ? static_cast<double>(width) / height : 1.0);
-  const double tangent = shorter * static_cast<double>(fill);
-  const double distance = radius * std::sqrt(1.0 + 1.0 / (tangent * tangent));
-  c.position = Point(center - distance * forward);
+  // At distance d the silhouette's tangent is r / sqrt(d^2 - r^2).
+  const double aspect = static_cast<double>(framing.width) / static_cast<double>(framing.height);
+  const double tangent = static_cast<double>(c.halfHeight) * (aspect < 1 ? aspect : 1.0) * static_cast<double>(framing.fill);
+  const double distance = r * std::sqrt(1.0 + 1.0 / (tangent * tangent));
+  c.position = Point(DVec3(center) - distance * forward);
   c.view = Vec3(forward);
-  // World y is up, unless the camera looks along it.
   c.up = std::fabs(forward.y) > 0.99 ? Vec3(0, 0, forward.y > 0 ? 1 : -1) : Vec3(0, 1, 0);
-  c.near = static_cast<float>(std::fmax((distance - radius) * 0.1, distance * 1e-4));
-  c.far = static_cast<float>(distance + 20.0 * radius);
+  c.near = static_cast<float>(std::fmax((distance - r) * 0.1, distance * 1e-4));
+  c.far = static_cast<float>(distance + 20.0 * r);
   return c;
 }
 

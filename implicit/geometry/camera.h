@@ -57,10 +57,17 @@ struct Projection {
 };
 [[nodiscard]] Projection project(const CameraFrame& frame, const Camera& camera, DVec3 p);
 
-/// A camera of the given viewport that looks along `view` at the box's centre and frames the box's bounding
-/// sphere: the sphere spans `fill` of the shorter side of the image. Field of view: half height 0.3. An empty
-/// box is framed as a unit sphere.
-[[nodiscard]] Camera frameBox(const Box& box, Vec3 view, std::uint32_t width, std::uint32_t height,
-                              float fill = 0.9f);
+/// How a picture is to be filled.
+struct Framing {
+  Vec3 view{0, 0, -1};         ///< direction of sight, not 0
+  std::uint32_t width = 1280;  ///< viewport in pixels
+  std::uint32_t height = 960;
+  float fill = 0.9f;           ///< part of the image's shorter side that the sphere's silhouette spans, > 0
+};
+
+/// A camera that looks along the framing's view at the sphere's centre, from where the sphere's silhouette spans `fill` of
+/// the shorter side of the image. Half height 0.3. World y is up, or z where the camera looks along y. A radius that is not
+/// positive is taken as 1.
+[[nodiscard]] Camera frameSphere(Point center, float radius, const Framing& framing = {});
 
 }  // namespace restroke

@@ -45,23 +45,23 @@ TEST(Camera, BehindTheCameraHasNoPositiveDepth) {
   EXPECT_LE(project(frameOf(c), c, DVec3(c.position) - DVec3(c.view)).depth, 0);
 }
 
-TEST(Camera, FrameBoxMakesTheBoundingSphereSpanTheAskedPartOfTheShorterSide) {
-  const Box box{{-1, -2, 0}, {3, 2, 1}};
+TEST(Camera, FrameSphereMakesTheSilhouetteSpanTheAskedPartOfTheShorterSide) {
+  const Point center(1, 0, 0.5f);
   for (const auto& [w, h] : {std::pair{1280u, 720u}, {500u, 900u}, {64u, 64u}}) {
-    const Camera c = frameBox(box, {1, -1, -2}, w, h, 0.8f);
+    const Camera c = frameSphere(center, 2.5f, {.view = {1, -1, -2}, .width = w, .height = h, .fill = 0.8f});
     validate(c, "test");
     const CameraFrame f = frameOf(c);
-    const double d = length(DVec3(box.center()) - f.position), r = static_cast<double>(box.halfDiagonal());
+    const double d = length(DVec3(center) - f.position), r = 2.5;
     const double tangent = r / std::sqrt(d * d - r * r);
     EXPECT_NEAR(tangent / std::fmin(f.halfWidth, f.halfHeight), 0.8, 1e-5);
-    EXPECT_LT(c.near, d - r);
-    EXPECT_GT(c.far, d + r);
+    EXPECT_LT(static_cast<double>(c.near), d - r);
+    EXPECT_GT(static_cast<double>(c.far), d + r);
   }
 }
 
-TEST(Camera, FrameBoxTakesAnyDirectionAndAnEmptyBox) {
+TEST(Camera, FrameSphereTakesAnyDirectionAndAnEmptySphere) {
   for (const Vec3 v : {Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(1, 0, 0), Vec3(0, 0, 5)})
-    validate(frameBox({}, v, 10, 10), "test");
+    validate(frameSphere({}, 0, {.view = v}), "test");
 }
 
 TEST(Camera, RefusesWhatNoRayCanBeCastThrough) {

@@ -57,6 +57,9 @@ TEST(PrimitiveList, BoundsHoldPositivePrimitivesOfThePrefix) {
   EXPECT_NEAR(list.bounds().max.x, 6, 1e-4);
   EXPECT_NEAR(list.bounds(Prefix{2}).max.x, 1, 1e-4);
   EXPECT_TRUE(list.bounds(Prefix{0}).empty());
+  EXPECT_NEAR(list.boundingSphere().center.x, 2.5, 1e-5);
+  EXPECT_NEAR(list.boundingSphere().radius, 3.5, 1e-5);
+  EXPECT_EQ(list.boundingSphere(Prefix{0}).radius, 0);
 }
 
 TEST(PrimitiveList, S4ClusterListsHoldExactlyWhatTouches) {

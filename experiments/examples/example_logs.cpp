@@ -1,0 +1,15 @@
+#include "experiments/examples/example_logs.h"
+
+#include "implicit/errors.h"
+
+namespace restroke::experiments {
+
+sculpt::StrokeLog exampleLog(std::string_view name) {
+  if (name == "table2") return table2Log();
+  if (name == "paper-scale") return paperScaleLog();
+  if (name == "rabbit") return rabbitLog();
+  throw InputError(
+      fmt::format("example: no example is called '{}'; there are table2, paper-scale and rabbit", name));
+}
+
+}  // namespace restroke::experiments

@@ -1,0 +1,26 @@
+#pragma once
+// The logs that ship with the project, drawn by program. Same program, same bytes, on every machine.
+
+#include <string_view>
+
+#include "sculpt/stroke_log.h"
+
+namespace restroke::experiments {
+
+/// A lion's face in eight strokes with the stamps of the paper's Table 2: 454, 1, 1, 1, 1, 1, 96, 1 (SPEC
+/// S12).
+[[nodiscard]] sculpt::StrokeLog table2Log();
+
+/// The paper's scale: 108 strokes, 3,426 stamps in all, about 280,000 surfels (SPEC S11). Pen-like strokes
+/// with pressure, added and carved, from twelve cameras around the sphere. The seed decides where they go,
+/// never how many there are.
+[[nodiscard]] sculpt::StrokeLog paperScaleLog(std::uint64_t seed = 1);
+
+/// A rabbit's head in the spirit of the paper's figure 10 (a) and (b): the foundation, then carved eyes and
+/// mouth and a nose (SPEC S9).
+[[nodiscard]] sculpt::StrokeLog rabbitLog();
+
+/// "table2", "paper-scale" or "rabbit". Throws InputError that lists the names.
+[[nodiscard]] sculpt::StrokeLog exampleLog(std::string_view name);
+
+}  // namespace restroke::experiments

@@ -1,0 +1,196 @@
+// restroke-experiment: the experiments as a program. Exit 0 done, 2 bad input or usage, 1 our fault.
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "experiments/examples/example_logs.h"
+#include "experiments/memory.h"
+#include "experiments/shipped.h"
+#include "implicit/atomic_file.h"
+#include "implicit/errors.h"
+#include "sculpt/stroke_log.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace restroke;
+using namespace restroke::experiments;
+
+/// What every command understands.
+struct Common {
+  std::string json;
+  Execution execution;
+  std::unique_ptr<AtomicFile> jsonFile;
+
+  void addTo(CLI::App& app) {
+    app.add_option("--json", json,
+                   "also write one JSON object here; - is standard output, and replaces the text");
+    app.add_option("--threads", execution.threads,
+                   "worker threads; 0, the default, takes all; never changes a result")
+        ->check(CLI::Range(0, 4096));
+  }
+  /// A JSON file that cannot be written stops the work before it begins.
+  void begin() {
+    if (!json.empty() && json != "-") jsonFile = std::make_unique<AtomicFile>(json);
+  }
+  void say(const std::string& text) const {
+    if (json != "-") fmt::print("{}", text);
+  }
+  /// Call it last.
+  void finish(const nlohmann::ordered_json& object) {
+    const std::string text = object.dump(2) + "\n";
+    if (json == "-") fmt::print("{}", text);
+    if (jsonFile) {
+      jsonFile->write(std::string_view(text));
+      jsonFile->commit();
+    }
+  }
+};
+
+/// A line on a terminal that says how far a log is, once it has taken a second; nothing when redirected.
+class ProgressLine {
+ public:
+  explicit ProgressLine(std::string name) : name_(std::move(name)), terminal_(isatty(STDERR_FILENO) != 0) {}
+  ~ProgressLine() {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+  }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+  void operator()(std::size_t done, std::size_t all) {
+    if (!terminal_ || std::chrono::steady_clock::now() - begun_ < std::chrono::seconds(1)) return;
+    fmt::print(stderr, "\r{}: step {} of {}\033[K", name_, done, all);
+    std::fflush(stderr);
+    shown_ = true;
+  }
+
+ private:
+  std::string name_;
+  bool terminal_, shown_ = false;
+  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+};
+
+struct MemoryCommand {
+  Common common;
+  std::vector<std::string> logs;
+  std::string out;
+  bool smoke = false;
+  MemoryOptions options;
+
+  void addTo(CLI::App& app) {
+    CLI::App* command =
+        app.add_subcommand("memory", "what undo costs in memory, for every way of keeping history");
+    command->add_option("logs", logs,
+                        "stroke logs or stamp lists; without any, the shipped log of the paper's Table 2");
+    command
+        ->add_option("--out", out,
+                     "folder for results.csv, results.json, manifest.json, figures, report.html")
+        ->required();
+    command->add_flag("--smoke", smoke, "a small size that takes seconds");
+    command->add_option("--density", options.density,
+                        "samples per square model unit, in place of the logs' own");
+    command->add_option("--seed", options.seed, "of the walk that checks every history");
+    common.addTo(*command);
+    command->callback([this] { run(); });
+  }
+
+  void run() {
+    if (!(options.density >= 0))
+      throw InputError(fmt::format("--density: {}; it must be positive", options.density));
+    std::vector<fs::path> files(logs.begin(), logs.end());
+    if (files.empty()) files.push_back(shippedFile("examples/table2.log"));
+    const MemoryOptions sized = smoke ? smokeSize(options) : options;
+    // What is wrong with an input or an output is said before the work begins, and leaves nothing behind.
+    for (const fs::path& file : files) (void)sculpt::readLog(file);
+    common.begin();
+    makeFolder(out);
+    std::vector<MemoryLog> measured;
+    for (const fs::path& file : files) {
+      ProgressLine line(file.filename().string());
+      measured.push_back(measureMemory(file, sized, common.execution,
+                                       [&line](std::size_t done, std::size_t all) { line(done, all); }));
+    }
+    makeNamesUnique(measured);
+    const std::vector<std::string> written = writeMemory(measured, sized, out);
+
+    nlohmann::ordered_json object = {
+        {"experiment", "memory"}, {"out", out}, {"smoke", smoke}, {"files", written}};
+    object["logs"] = nlohmann::ordered_json::array();
+    for (const MemoryLog& log : measured) {
+      common.say(memoryTable(log) + "\n");
+      nlohmann::ordered_json bytes;
+      for (const MemoryRow& row : log.steps.back().rows) bytes[row.backend] = row.bytes;
+      object["logs"].push_back({{"log", log.name},
+                                {"steps", log.steps.size() - 1},
+                                {"strokes", log.strokes},
+                                {"stamps", log.stamps},
+                                {"surfels", log.steps.back().surfels},
+                                {"density", log.density},
+                                {"bytes", bytes}});
+    }
+    common.say(fmt::format("report: {}\n", (fs::path(out) / "report.html").string()));
+    common.finish(object);
+  }
+};
+
+struct ExampleCommand {
+  Common common;
+  std::string name, out;
+
+  void addTo(CLI::App& app) {
+    CLI::App* command =
+        app.add_subcommand("example", "makes one of the example logs that ship with the project");
+    command->add_option("name", name, "table2, paper-scale or rabbit")->required();
+    command->add_option("--out", out, "the log to write")->required();
+    common.addTo(*command);
+    command->callback([this] { run(); });
+  }
+
+  void run() {
+    common.begin();
+    const sculpt::StrokeLog log = exampleLog(name);
+    sculpt::writeLog(out, log);
+    common.say(fmt::format("{}: {} commands\n", out, log.commands.size()));
+    common.finish({{"example", name}, {"out", out}, {"commands", log.commands.size()}});
+  }
+};
+
+int runProgram(int argc, char** argv) {
+  CLI::App app("Experiments on sculpting with strokes that can be replayed.", "restroke-experiment");
+  app.require_subcommand(1);
+  MemoryCommand memory;
+  ExampleCommand example;
+  memory.addTo(app);
+  example.addTo(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::CallForAllHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "restroke-experiment: {}; --help lists what there is\n", error.what());
+    return 2;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return runProgram(argc, argv);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "restroke-experiment: {}\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "restroke-experiment: our fault: {}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,67 @@
+#pragma once
+// From a stroke to stamps: spheres along the surface, evenly spaced whatever the input's sample rate.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "implicit/primitive.h"
+#include "retarget/method.h"
+#include "retarget/stroke.h"
+
+namespace restroke::sculpt {
+
+enum class Mode : std::uint8_t { Add, Carve };
+
+struct Brush {
+  float radius = 0.05f;   ///< model units, > 0, at most implicit::kMaxCoordinate
+  float spacing = 0.25f;  ///< distance between neighbouring stamps as a fraction of the radius, 0.01 to 4
+  /// 0: pressure has no effect; 1: the radius is proportional to it; between: mixed linearly. The radius
+  /// never falls below 1/16 of `radius`.
+  float pressureToRadius = 0;
+  Mode mode = Mode::Add;
+  bool operator==(const Brush&) const = default;
+};
+
+/// What a stroke became on a given shape.
+struct StrokeOutcome {
+  std::vector<implicit::Primitive> stamps;  ///< in order along the stroke
+  std::size_t misses = 0;                   ///< input points whose ray misses the shape
+  std::size_t pieces = 0;  ///< runs of the stroke between misses and jumps; 0 when nothing was hit
+  bool operator==(const StrokeOutcome&) const = default;
+};
+
+/// More stamps in one stroke are refused.
+inline constexpr std::size_t kMaxStamps = 1'000'000;
+
+/// Throws InputError (`where` begins the sentence) unless every field is in its range.
+void validate(const Brush& brush, const std::string& where);
+
+/// Walks the stroke over the surface that the caster sees and sets a stamp at the start of every piece and
+/// then at every radius * spacing of length along the surface (the radius being that of the stamp just set,
+/// when pressure varies it).
+///
+/// Between two input points the screen is bisected and cast until neighbouring hits are within min(spacing,
+/// 1/2) * radius of each other; input points within half of that, or within a pixel, of the polyline's last
+/// vertex are passed over. So the stamps depend on the curve that was drawn and not on how often the pen was
+/// asked. Where one of two points misses, the edge is found to within a pixel, and the piece ends or begins
+/// there; between two points that both miss nothing is looked for. Hits less than a pixel apart on the
+/// screen, but apart in space by more than the radius and by more than 8 pixels' footprint, are a jump from
+/// one surface to another: the piece ends and a new one begins.
+///
+/// Centres lie on the chords between neighbouring hits, so a centre is off the surface by at most half a
+/// chord, radius * min(spacing, 1/2) / 2, and where the surface is smooth by chord^2 / (8 R) for a radius of
+/// curvature R (at the default spacing on one of the brush's own radius: under 1 % of the radius); grazing
+/// steps that no pixel resolves are bridged by chords of up to the jump's limit. Then centres are rounded to
+/// multiples of `grid` (model units, a power of two), half to even. That is exact for coordinates under 2^24
+/// * grid; beyond them float32 has fewer digits than the grid asks for.
+///
+/// One point, or equal points: one stamp. All points miss: none, pieces 0. Equal neighbours are cast once.
+/// Needs the stroke and the brush to be valid; throws InputError for a grid that is no power of two and when
+/// more than kMaxStamps stamps are needed. The same hits give the same bits: only + - * / and sqrt in double.
+/// O(input points + stamps) casts.
+[[nodiscard]] StrokeOutcome stampsAlong(const retarget::Stroke& stroke, const Brush& brush, float grid,
+                                        retarget::Caster& caster);
+
+}  // namespace restroke::sculpt

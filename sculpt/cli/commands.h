@@ -1,0 +1,77 @@
+#pragma once
+// The subcommands of the program restroke: options in, work done. main.cpp makes the options from the command
+// line; whatever goes wrong is thrown (InputError: exit 2).
+
+#include <optional>
+#include <string>
+
+namespace restroke::cli {
+
+/// What every subcommand understands.
+struct CommonOptions {
+  std::string
+      json;  ///< file for one JSON object, "-" for standard output (instead of the text), empty for none
+  int threads = 0;  ///< 0 takes all
+};
+
+struct ImportOptions {
+  CommonOptions common;
+  std::string source;  ///< pen strokes (JSON) or a stamp list
+  std::optional<std::string> base, mode;
+  std::optional<float> radius, density, fill;
+  std::string out;
+};
+
+struct ReplayCommandOptions {
+  CommonOptions common;
+  std::string log;
+  std::optional<float> density;
+  bool check = false;
+  bool recompute = false;
+};
+
+struct RenderCommandOptions {
+  CommonOptions common;
+  std::string log;
+  std::string view = "three-quarter";
+  std::string size = "1280x960";
+  std::string renderer = "cpu";
+  std::optional<float> density;
+  std::string png, exr;
+};
+
+struct ExportOptions {
+  CommonOptions common;
+  std::string log;
+  std::optional<float> density;
+  bool ascii = false;
+  std::string out;
+};
+
+struct HistoryCommandOptions {
+  CommonOptions common;
+  std::string log;
+  std::string action;
+};
+
+struct RetargetOptions {
+  CommonOptions common;
+  std::string log;
+  std::string base, transform;
+  std::string method = "exact";
+  std::string out;
+};
+
+/// Each returns the exit status: 0, or 1 where a check found a difference.
+int runImport(const ImportOptions& options);
+int runReplay(const ReplayCommandOptions& options);
+int runRender(const RenderCommandOptions& options);
+int runExport(const ExportOptions& options);
+int runHistory(const HistoryCommandOptions& options);
+int runRetarget(const RetargetOptions& options);
+
+/// Becomes the program restroke-experiment that lies beside this one, with the arguments behind "experiment".
+/// Returns only by throwing InputError when there is none.
+[[noreturn]] void becomeExperiment(char** arguments);
+
+}  // namespace restroke::cli

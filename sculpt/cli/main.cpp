@@ -1,0 +1,162 @@
+// The program restroke. Exit 0 done, 2 bad input or usage (one sentence on standard error), 1 our fault.
+// The only file that includes CLI11, which takes seconds to compile.
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string_view>
+
+#include "implicit/errors.h"
+#include "sculpt/cli/commands.h"
+
+namespace {
+
+using namespace restroke;
+using namespace restroke::cli;
+
+constexpr int kBadInput = 2, kOurFault = 1;
+
+struct AllOptions {
+  ImportOptions import;
+  ReplayCommandOptions replay;
+  RenderCommandOptions render;
+  ExportOptions exporting;
+  HistoryCommandOptions history;
+  RetargetOptions retarget;
+};
+
+void addCommon(CLI::App* command, CommonOptions& common) {
+  command
+      ->add_option("--json", common.json,
+                   "also write one JSON object here; - is standard output, and replaces the text")
+      ->type_name("FILE");
+  command
+      ->add_option("--threads", common.threads,
+                   "worker threads; 0, the default, takes all; never changes a result")
+      ->check(CLI::Range(0, 4096))
+      ->type_name("N");
+}
+
+CLI::App* addImport(CLI::App& app, ImportOptions& o) {
+  CLI::App* c = app.add_subcommand("import", "make a stroke log of pen strokes or of a stamp list");
+  c->add_option("source", o.source, "pen strokes (JSON) or a stamp list")->required();
+  c->add_option("--base", o.base, "what is drawn on: sphere (radius 1) or sphere:x,y,z,r");
+  c->add_option("--radius", o.radius,
+                "brush radius in model units; default 0.05 of the base's half diagonal");
+  c->add_option("--mode", o.mode, "add (default), carve or alternate");
+  c->add_option("--density", o.density, "samples per square model unit; default about 100,000 on the base");
+  c->add_option("--fill", o.fill,
+                "how much of the drawing's shorter side the base's silhouette spans, default 1.25");
+  c->add_option("--out", o.out, "log to write")->required();
+  addCommon(c, o.common);
+  return c;
+}
+
+CLI::App* addReplay(CLI::App& app, ReplayCommandOptions& o) {
+  CLI::App* c = app.add_subcommand("replay", "evaluate a log, and measure it");
+  c->add_option("log", o.log, "stroke log or stamp list")->required();
+  c->add_option("--density", o.density, "samples per square model unit, in place of the header's");
+  c->add_flag("--check", o.check, "compare with a result made from scratch; exit 1 if they differ");
+  c->add_flag("--recompute", o.recompute, "make recorded outcomes anew, and report differences");
+  addCommon(c, o.common);
+  return c;
+}
+
+CLI::App* addRender(CLI::App& app, RenderCommandOptions& o) {
+  CLI::App* c = app.add_subcommand("render", "draw the shape at a log's end");
+  c->add_option("log", o.log, "stroke log or stamp list")->required();
+  c->add_option(
+      "--view", o.view,
+      "front, back, left, right, top, bottom, three-quarter (default), stroke:N or px,py,pz:vx,vy,vz");
+  c->add_option("--size", o.size, "WxH in pixels, default 1280x960");
+  c->add_option("--renderer", o.renderer, "cpu (default) or opengl");
+  c->add_option("--density", o.density, "samples per square model unit, in place of the header's");
+  c->add_option("--png", o.png, "picture to write");
+  c->add_option("--exr", o.exr, "picture with layers to write: RGBA, Z, N.X/Y/Z, id.primitive, id.stroke");
+  addCommon(c, o.common);
+  return c;
+}
+
+CLI::App* addExport(CLI::App& app, ExportOptions& o) {
+  CLI::App* c = app.add_subcommand("export", "write the shape as points with normals");
+  c->add_option("log", o.log, "stroke log or stamp list")->required();
+  c->add_option("--out", o.out, "file that ends in .ply or .xyz")->required();
+  c->add_flag("--ascii", o.ascii, "PLY as text");
+  c->add_option("--density", o.density, "samples per square model unit, in place of the header's");
+  addCommon(c, o.common);
+  return c;
+}
+
+CLI::App* addHistory(CLI::App& app, HistoryCommandOptions& o) {
+  CLI::App* c = app.add_subcommand("history", "show a log's history tree, undo or redo");
+  c->add_option("log", o.log, "stroke log")->required();
+  c->add_option("action", o.action, "show, undo or redo")->required();
+  addCommon(c, o.common);
+  return c;
+}
+
+CLI::App* addRetarget(CLI::App& app, RetargetOptions& o) {
+  CLI::App* c = app.add_subcommand("retarget", "cast a log's strokes anew, also onto another base");
+  c->add_option("log", o.log, "stroke log")->required();
+  c->add_option("--base", o.base, "sphere (radius 1) or sphere:x,y,z,r, in place of the log's base");
+  c->add_option("--transform", o.transform,
+                "of the base: \"translate x y z; rotate ax ay az degrees; scale s\", left to right");
+  c->add_option("--method", o.method, "exact (default), embree, depth or depth-cpu");
+  c->add_option("--out", o.out, "log to write")->required();
+  addCommon(c, o.common);
+  return c;
+}
+
+int runProgram(int argc, char** argv) {
+  CLI::App app("Restroke: sculpting with strokes that can be replayed on anything.", "restroke");
+  app.require_subcommand(1);
+  AllOptions options;
+  const CLI::App* import = addImport(app, options.import);
+  const CLI::App* replay = addReplay(app, options.replay);
+  const CLI::App* render = addRender(app, options.render);
+  const CLI::App* exporting = addExport(app, options.exporting);
+  const CLI::App* history = addHistory(app, options.history);
+  const CLI::App* retarget = addRetarget(app, options.retarget);
+  // For the list of commands only: main hands its arguments on before anything is parsed.
+  app.add_subcommand("experiment", "measure: memory, ... (starts restroke-experiment)");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    throw InputError(fmt::format("{}; --help lists what there is", error.what()));
+  }
+  if (*import) return runImport(options.import);
+  if (*replay) return runReplay(options.replay);
+  if (*render) return runRender(options.render);
+  if (*exporting) return runExport(options.exporting);
+  if (*history) return runHistory(options.history);
+  if (*retarget) return runRetarget(options.retarget);
+  throw InternalError("a subcommand that does nothing");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // Full files and closed pipes are to be errors of write, so that they get their sentence and temporaries
+  // are removed.
+  (void)std::signal(SIGXFSZ, SIG_IGN);
+  (void)std::signal(SIGPIPE, SIG_IGN);
+  try {
+    if (argc > 1 && std::string_view(argv[1]) == "experiment") becomeExperiment(argv + 1);
+    return runProgram(argc, argv);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "restroke: {}\n", error.what());
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    fmt::print(
+        stderr,
+        "restroke: the memory of this machine does not suffice, but must hold all samples and strokes\n");
+    return kBadInput;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "restroke: our fault: {}\n", error.what());
+    return kOurFault;
+  }
+}
