@@ -23,11 +23,10 @@ class Rabbit {
   explicit Rabbit(const sculpt::LogHeader& header) : sculptor_(header) {}
 
   void foundation() {
-    for (const double side : {1.0, -1.0})  // cheeks
-      bow(face_, {side * 0.46, -0.34, 0.82}, {side * 0.50, -0.32, 0.80}, {.radius = 0.30f, .spacing = 0.15f});
-    for (const double side : {1.0, -1.0})  // muzzle
-      bow(face_, {side * 0.16, -0.30, 1.1}, {side * 0.13, -0.27, 1.15}, {.radius = 0.2f, .spacing = 0.15f});
-    bow(face_, {-0.06, -0.66, 0.85}, {0.06, -0.66, 0.85}, {.radius = 0.19f, .spacing = 0.15f});  // chin
+    for (const double side : {1.0, -1.0})
+      draw(face_, {{{side * 0.47, -0.34, 0.81}, 1}}, {.radius = 0.33f});                      // cheeks
+    for (const double side : {1.0, -1.0}) dab({side * 0.17, -0.32, 1.1}, {.radius = 0.23f});  // muzzle
+    dab({0, -0.70, 0.85}, {.radius = 0.2f});                                                  // chin
     for (const double side : {1.0, -1.0}) ear(side);
     curl();
   }
@@ -72,6 +71,9 @@ class Rabbit {
     }
     draw(camera, aims, brush);
   }
+
+  /// A click of the pen, seen from the front.
+  void dab(DVec3 at, const Brush& brush) { draw(front_, {{at, 1}}, brush); }
 
   void draw(const Camera& camera, const std::vector<Aim>& aims, const Brush& brush) {
     if (sculptor_.draw(camera, aims, brush) == 0)
@@ -138,10 +140,9 @@ class Rabbit {
 
   /// A tall hollow with a pupil in it.
   void eye(double side) {
-    bow(face_, {side * 0.34, 0.31, 0.9}, {side * 0.34, 0.15, 0.9},
+    bow(front_, {side * 0.34, 0.31, 0.9}, {side * 0.34, 0.15, 0.9},
         {.radius = 0.155f, .spacing = 0.1f, .mode = Mode::Carve});
-    bow(face_, {side * 0.34 - 0.01, 0.21, 0.84}, {side * 0.34 - 0.01, 0.17, 0.84},
-        {.radius = 0.1f, .spacing = 0.15f});
+    dab({side * 0.34 - 0.01, 0.18, 0.84}, {.radius = 0.115f});
   }
 
   /// An open smile between muzzle and chin.
@@ -150,20 +151,15 @@ class Rabbit {
     constexpr int kPoints = 40;
     for (int i = 0; i <= kPoints; ++i) {
       const double t = 2.0 * i / kPoints - 1;
-      aims.push_back({DVec3(0.20 * t, -0.53 + 0.06 * t * t, 1.05), 1 - 0.5 * t * t});
+      aims.push_back({DVec3(0.21 * t, -0.575 + 0.07 * t * t, 1.0), 1 - 0.5 * t * t});
     }
-    draw(face_, aims, {.radius = 0.075f, .spacing = 0.1f, .pressureToRadius = 1.0f, .mode = Mode::Carve});
+    draw(front_, aims, {.radius = 0.09f, .spacing = 0.1f, .pressureToRadius = 1.0f, .mode = Mode::Carve});
   }
 
-  void nose() {
-    bow(face_, {-0.05, -0.14, 1.25}, {0.05, -0.14, 1.25}, {.radius = 0.08f, .spacing = 0.1f});
-    bow(face_, {0, -0.17, 1.3}, {0, -0.20, 1.3}, {.radius = 0.05f, .spacing = 0.15f});
-  }
+  void nose() { dab({0, -0.17, 1.28}, {.radius = 0.105f}); }
 
   void teeth() {
-    for (const double side : {1.0, -1.0})
-      bow(face_, {side * 0.045, -0.485, 1.1}, {side * 0.045, -0.545, 1.1},
-          {.radius = 0.055f, .spacing = 0.15f});
+    for (const double side : {1.0, -1.0}) dab({side * 0.055, -0.52, 1.05}, {.radius = 0.065f});
   }
 
   void whiskers() {
@@ -185,6 +181,7 @@ class Rabbit {
   }
 
   Sculptor sculptor_;
+  Camera front_ = cameraAt({0, 0.3, 5.2}, {0, 0.1, 0.3});
   Camera face_ = cameraAt({0.9, 0.5, 5.2}, {0, 0.1, 0.3});
   std::array<std::array<DVec3, kEarLayers>, 2> spine_{};
 };
