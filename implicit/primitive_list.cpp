@@ -90,7 +90,8 @@ Sphere PrimitiveList::boundingSphere(Prefix prefix) const {
   const std::size_t end = std::min(prefix.count, size());
   for (std::size_t i = 0; i < end; ++i) {
     const Sphere& s = at(i).shape;
-    if (at(i).sign == Sign::Positive) out.radius = std::max(out.radius, length(s.center - out.center) + s.radius);
+    if (at(i).sign == Sign::Positive)
+      out.radius = std::max(out.radius, length(s.center - out.center) + s.radius);
   }
   return out;
 }

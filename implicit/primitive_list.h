@@ -49,7 +49,8 @@ class PrimitiveList {
 
   /// Box around all positive primitives of the prefix. O(n).
   [[nodiscard]] Box bounds(Prefix prefix = {}) const;
-  /// Sphere about the centre of bounds() that holds all positive primitives of the prefix; radius 0 when there are none. O(n).
+  /// Sphere about the centre of bounds() that holds all positive primitives of the prefix; radius 0 when
+  /// there are none. O(n).
   [[nodiscard]] Sphere boundingSphere(Prefix prefix = {}) const;
 
   [[nodiscard]] const Clusters& clusters() const { return clusters_; }

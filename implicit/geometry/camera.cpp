@@ -72,7 +72,8 @@ Camera frameSphere(Point center, float radius, const Framing& framing) {
   c.halfHeight = 0.3f;
   // At distance d the silhouette's tangent is r / sqrt(d^2 - r^2).
   const double aspect = static_cast<double>(framing.width) / static_cast<double>(framing.height);
-  const double tangent = static_cast<double>(c.halfHeight) * (aspect < 1 ? aspect : 1.0) * static_cast<double>(framing.fill);
+  const double tangent =
+      static_cast<double>(c.halfHeight) * (aspect < 1 ? aspect : 1.0) * static_cast<double>(framing.fill);
   const double distance = r * std::sqrt(1.0 + 1.0 / (tangent * tangent));
   c.position = Point(DVec3(center) - distance * forward);
   c.view = Vec3(forward);

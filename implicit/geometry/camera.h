@@ -62,12 +62,12 @@ struct Framing {
   Vec3 view{0, 0, -1};         ///< direction of sight, not 0
   std::uint32_t width = 1280;  ///< viewport in pixels
   std::uint32_t height = 960;
-  float fill = 0.9f;           ///< part of the image's shorter side that the sphere's silhouette spans, > 0
+  float fill = 0.9f;  ///< part of the image's shorter side that the sphere's silhouette spans, > 0
 };
 
-/// A camera that looks along the framing's view at the sphere's centre, from where the sphere's silhouette spans `fill` of
-/// the shorter side of the image. Half height 0.3. World y is up, or z where the camera looks along y. A radius that is not
-/// positive is taken as 1.
+/// A camera that looks along the framing's view at the sphere's centre, from where the sphere's silhouette
+/// spans `fill` of the shorter side of the image. Half height 0.3. World y is up, or z where the camera looks
+/// along y. A radius that is not positive is taken as 1.
 [[nodiscard]] Camera frameSphere(Point center, float radius, const Framing& framing = {});
 
 }  // namespace restroke

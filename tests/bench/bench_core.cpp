@@ -39,7 +39,8 @@ BENCHMARK(Replay)->Arg(30)->Arg(50)->Arg(70)->Arg(100)->Arg(150)->Arg(200)->Arg(
 void Rays(benchmark::State& state) {
   const points::SurfelModel model = modelOf(static_cast<float>(state.range(0)) * 1e-3f);
   const implicit::Sphere ball = model.list().boundingSphere();
-  const Camera camera = frameSphere(ball.center, ball.radius, {.view = {-1, -1, -2}, .width = 640, .height = 360});
+  const Camera camera =
+      frameSphere(ball.center, ball.radius, {.view = {-1, -1, -2}, .width = 640, .height = 360});
   std::int32_t i = 0;
   std::size_t hits = 0;
   for (auto _ : state) {

@@ -72,7 +72,8 @@ TEST(EmbreeMethod, HitsOfBothAreEqualBitForBitOnTheShapeOfThePapersScale) {
   model.append(readStampFile(file));
   for (const Vec3 view : {Vec3(0, 0, -1), Vec3(1, -0.5f, 0.3f)}) {
     const implicit::Sphere ball = model.list().boundingSphere();
-    const auto c = compare(model, frameSphere(ball.center, ball.radius, {.view = view, .width = 640, .height = 480}), 33);
+    const auto c = compare(
+        model, frameSphere(ball.center, ball.radius, {.view = view, .width = 640, .height = 480}), 33);
     print("paper-108x3426 at density 14000", c);
     EXPECT_GT(c.both, 8000u);
     EXPECT_EQ(c.different, 0u);
