@@ -1,4 +1,5 @@
 # Run at every build: writes ${OUT} with the revision of the sources in ${SOURCE}, and touches it only when that changes.
+cmake_minimum_required(VERSION 3.25...3.31)
 set(revision "unknown")
 set(dirty "false")
 find_program(GIT git)

@@ -1,5 +1,6 @@
 #include "sculpt/stamp_list.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
