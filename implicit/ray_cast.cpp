@@ -10,6 +10,7 @@
 #include "implicit/ray_cast.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <vector>
 
@@ -49,6 +50,12 @@ template <class F>
 void walkCells(const ClusterGrid& grid, const Ray& ray, double tIn, double tOut, const F& visit) {
   const double size = static_cast<double>(grid.cell());
   Cell cell = grid.cellAt(ray.at(tIn));
+  const Cell last = grid.cellAt(ray.at(tOut));
+  // The number of faces between the first and the last cell, and a few more for rounding: where t has too few
+  // digits left to tell cells apart (an origin absurdly far away), the walk still ends.
+  std::int64_t stepsLeft = 8 + std::llabs(std::int64_t{last.x} - cell.x) +
+                           std::llabs(std::int64_t{last.y} - cell.y) +
+                           std::llabs(std::int64_t{last.z} - cell.z);
   std::int32_t* index[3] = {&cell.x, &cell.y, &cell.z};
   double next[3], delta[3];
   std::int32_t step[3];
@@ -59,7 +66,7 @@ void walkCells(const ClusterGrid& grid, const Ray& ray, double tIn, double tOut,
     next[a] = d == 0 ? kInfinity : ((*index[a] + (d > 0 ? 1 : 0)) * size - o) / d;
   }
   double t = tIn;
-  while (t < tOut) {
+  while (t < tOut && stepsLeft-- > 0) {
     const int a = next[0] <= next[1] ? (next[0] <= next[2] ? 0 : 2) : (next[1] <= next[2] ? 1 : 2);
     const double out = std::min(std::max(next[a], t), tOut);
     if (visit(cell, t, out)) return;

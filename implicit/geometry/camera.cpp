@@ -8,8 +8,10 @@ void validate(const Camera& c, const std::string& where) {
   const auto reject = [&](const std::string& what, const char* rule) {
     throw InputError(fmt::format("{}: {}; {}", where, what, rule));
   };
-  if (!isFinite(c.position))
-    reject("the camera's position is not finite", "every coordinate must be a finite number");
+  for (int a = 0; a < 3; ++a)
+    if (!(std::fabs(c.position[a]) <= kMaxCameraCoordinate))
+      reject(fmt::format("the camera's position has the coordinate {}", c.position[a]),
+             "every coordinate must lie within +-1e7 model units");
   if (!isFinite(c.view) || !(dot(c.view, c.view) > 1e-20f) || !(dot(c.view, c.view) < 1e20f))
     reject(fmt::format("the view vector is ({}, {}, {})", c.view.x, c.view.y, c.view.z),
            "it must be finite, with a length between 1e-10 and 1e10");

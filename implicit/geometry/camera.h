@@ -20,11 +20,15 @@ struct ScreenPoint {
   bool operator==(const ScreenPoint&) const = default;
 };
 
+/// Cameras may stand this far from the origin on every axis (model units): ten times farther than any
+/// primitive.
+inline constexpr float kMaxCameraCoordinate = 1e7f;
+
 /// Perspective camera. Everything that it computes uses + - * / and sqrt in double, in a fixed order.
 struct Camera {
-  Point position{0, 0, 4};
-  Vec3 view{0, 0, -1};  ///< direction of sight, any length but 0
-  Vec3 up{0, 1, 0};     ///< not parallel to `view`
+  Point position{0, 0, 4};  ///< within +-kMaxCameraCoordinate
+  Vec3 view{0, 0, -1};      ///< direction of sight, any length but 0
+  Vec3 up{0, 1, 0};         ///< not parallel to `view`
   float halfHeight =
       0.3f;  ///< half the image's height at unit distance (tangent of half the field of view), > 0
   std::uint32_t width = 1280;  ///< viewport in pixels, 1 to 65,536

@@ -72,6 +72,7 @@ TEST(Camera, RefusesWhatNoRayCanBeCastThrough) {
     EXPECT_THROW(validate(c, "stroke 3"), InputError);
   };
   refused([&](Camera& c) { c.position.x = nan; });
+  refused([&](Camera& c) { c.position.y = 2e7f; });
   refused([&](Camera& c) { c.view = {0, 0, 0}; });
   refused([&](Camera& c) { c.up = c.view; });
   refused([&](Camera& c) { c.up = {0, nan, 0}; });

@@ -102,6 +102,17 @@ TEST(CastRay, WhatWasCarvedExactlyIsNotHit) {
                        through({0, 0, 5}, {0.1, 0.2, 0})));
 }
 
+TEST(CastRay, EndsWhereAnAbsurdOriginLeavesNoDigits) {
+  const PrimitiveList list = listOf({add({0, 0, 0}, 1), add({0, 0, 1}, 0.05f)});
+  for (const double far : {1e9, 1e15, 1e18, 1e30}) {
+    Ray ray = through({far, far, far}, {0, 0, 0});
+    (void)castRay(list, ray);
+    ray.direction = {-1, -1, -1};
+    ray.tMax = 4 * far;
+    (void)castRay(list, ray);
+  }
+}
+
 TEST(CastRay, S7EqualsTheDefinitionOnRandomListsRaysPrefixesAndCells) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     testing::Random random(seed);
