@@ -151,15 +151,15 @@ class Rabbit {
     constexpr int kPoints = 40;
     for (int i = 0; i <= kPoints; ++i) {
       const double t = 2.0 * i / kPoints - 1;
-      aims.push_back({DVec3(0.21 * t, -0.575 + 0.07 * t * t, 1.0), 1 - 0.5 * t * t});
+      aims.push_back({DVec3(0.13 * t, -0.61 + 0.05 * t * t, 1.0), 1 - 0.5 * t * t});
     }
     draw(front_, aims, {.radius = 0.09f, .spacing = 0.1f, .pressureToRadius = 1.0f, .mode = Mode::Carve});
   }
 
-  void nose() { dab({0, -0.17, 1.28}, {.radius = 0.105f}); }
+  void nose() { dab({0, -0.19, 1.28}, {.radius = 0.12f}); }
 
   void teeth() {
-    for (const double side : {1.0, -1.0}) dab({side * 0.055, -0.52, 1.05}, {.radius = 0.065f});
+    for (const double side : {1.0, -1.0}) dab({side * 0.06, -0.55, 1.05}, {.radius = 0.07f});
   }
 
   void whiskers() {

@@ -48,6 +48,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, BackendBytes,
                                          BackendKind::SurfelDeltas, BackendKind::SurfelDeltasZstd));
 
 TEST_P(BackendBytes, AreWhatTheAllocatorGaveOut) {
+  if (!kCountsAllocation) GTEST_SKIP() << "built with a sanitizer, whose allocator is not asked";
   sculpt::StrokeLog log = table2Log();
   log.header.density = 2000;
   sculpt::Document document(log.header);
@@ -74,6 +75,7 @@ TEST_P(BackendBytes, AreWhatTheAllocatorGaveOut) {
 }
 
 TEST(HistoryBytes, OfStrokesAreWhatTheAllocatorGaveOut) {
+  if (!kCountsAllocation) GTEST_SKIP() << "built with a sanitizer, whose allocator is not asked";
   for (const sculpt::StrokeLog& log : {table2Log(), rabbitLog()}) {
     const Given before;
     sculpt::History history;

@@ -14,6 +14,7 @@ namespace {
 std::atomic<std::size_t> bytes{0};
 std::atomic<std::size_t> blocks{0};
 
+#if RESTROKE_COUNTS_ALLOCATION
 void* counted(void* block) {
   if (block == nullptr) throw std::bad_alloc();
   bytes += malloc_usable_size(block);
@@ -31,9 +32,11 @@ void release(void* block) noexcept {
 std::size_t roundedUp(std::size_t size, std::size_t alignment) {
   return (size + alignment - 1) / alignment * alignment;
 }
+#endif
 
 }  // namespace
 
+#if RESTROKE_COUNTS_ALLOCATION
 void* operator new(std::size_t size) {
   return counted(std::malloc(size == 0 ? 1 : size));
 }
@@ -53,6 +56,7 @@ void operator delete(void* block, std::align_val_t) noexcept {
 void operator delete(void* block, std::size_t, std::align_val_t) noexcept {
   release(block);
 }
+#endif
 
 namespace restroke::experiments {
 
