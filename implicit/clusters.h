@@ -14,9 +14,10 @@ namespace restroke::implicit {
 
 /// How space is cut. Never changes a result, only speed and memory.
 struct ClusterOptions {
-  /// Cell size of the finest grid in model units, finite and > 0. Near 0.1 of the model's half size is a flat
-  /// optimum for brushes of 1 to 10 % of it (tests/bench measures it).
-  float cell = 0.1f;
+  /// Cell size of the finest grid in model units, finite and > 0. For brushes of 1 to 10 % of the model's
+  /// half size, 0.1 to 0.4 of it is a flat optimum; smaller cells list every primitive many times
+  /// (tests/bench measures it).
+  float cell = 0.2f;
 };
 
 /// A cell's place in its grid.

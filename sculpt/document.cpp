@@ -50,7 +50,7 @@ void validate(const LogHeader& header, const std::string& where) {
 }
 
 implicit::ClusterOptions clustersFor(const LogHeader& header) {
-  return {.cell = 0.1f * header.base.radius};
+  return {.cell = 0.2f * header.base.radius};
 }
 
 std::vector<implicit::Primitive> primitivesOf(const FixedCommand& fixed) {

@@ -40,7 +40,7 @@ inline constexpr const char* kNothingToUndo =
 inline constexpr const char* kNothingToRedo =
     "redo: nothing lies ahead of the cursor, but there must be an undone stroke";
 
-/// Cluster cells that suit a base: a tenth of its radius.
+/// Cluster cells that suit a base: a fifth of its radius.
 [[nodiscard]] implicit::ClusterOptions clustersFor(const LogHeader& header);
 
 /// Keeps nothing but the history and the model of the shape at the cursor: whatever undo, redo and branching

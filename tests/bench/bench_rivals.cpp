@@ -70,7 +70,8 @@ int main(int argc, char** argv) {
   const OpenVdbResult vdb = replayWithOpenVdb(source.primitives, kVoxel);
 
   fmt::print(
-      "{}: {} primitives, density {}, {} surfels; OpenVDB voxel {}, {} active voxels; one thread, {}\n",
+      "{}: {} primitives, density {}, {} surfels; OpenVDB voxel {}, {} active voxels; Restroke on one thread "
+      "with {}, OpenVDB on all\n",
       source.name, source.primitives.size(), kDensity, ours.surfels, kVoxel, vdb.activeVoxels,
       implicit::simdLevelName());
   fmt::print("{:<34}{:>12}{:>14}{:>10}\n", "", "Restroke", "OpenVDB CSG", "ratio");
