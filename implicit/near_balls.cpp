@@ -64,6 +64,11 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
   }
 }
 
+std::size_t NearBalls::bytes() const {
+  return found_.capacity() * sizeof(Found) + seen_.capacity() * sizeof(std::uint32_t) +
+         floats_.capacity() * sizeof(float) + positive_.capacity();
+}
+
 BallArrays NearBalls::arrays() const {
   const float* x = floats_.data();
   return {x,

@@ -21,6 +21,8 @@ class NearBalls {
 
   [[nodiscard]] BallArrays arrays() const;
   [[nodiscard]] std::size_t size() const { return found_.size(); }
+  /// Bytes held, from the containers' real capacity.
+  [[nodiscard]] std::size_t bytes() const;
   /// Slot of the i-th ball.
   [[nodiscard]] std::uint32_t slot(std::size_t i) const { return found_[i].slot; }
 

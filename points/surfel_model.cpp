@@ -337,8 +337,11 @@ std::uint64_t SurfelModel::stateHash(const Execution& execution) const {
 }
 
 ModelBytes SurfelModel::bytes() const {
-  return {list_.bytes(), list_.clusters().bytes(), samples_.capacity() * sizeof(Samples) + visibleBytes_,
-          SphereSamples::bytesOfAll()};
+  return {.list = list_.bytes(),
+          .clusters = list_.clusters().bytes(),
+          .surfels = samples_.capacity() * sizeof(Samples) + visibleBytes_,
+          .scratch = near_.bytes(),
+          .tables = SphereSamples::bytesOfAll()};
 }
 
 }  // namespace restroke::points

@@ -21,8 +21,9 @@ struct ModelBytes {
   std::size_t list = 0;      ///< primitives and their order
   std::size_t clusters = 0;  ///< cluster lists
   std::size_t surfels = 0;   ///< visibility of all samples
+  std::size_t scratch = 0;   ///< kept between operations, to be used again
   std::size_t tables = 0;    ///< sample directions, shared by all models of the process
-  [[nodiscard]] std::size_t total() const { return list + clusters + surfels; }
+  [[nodiscard]] std::size_t total() const { return list + clusters + surfels + scratch; }
 };
 
 /// The list of primitives together with which samples of each are visible. Whatever the order of appends,

@@ -41,6 +41,25 @@ State stateOf(const sculpt::Document& document) {
   return state;
 }
 
+TEST(ModelBytes, AreWhatTheAllocatorGaveOut) {
+  if (!kCountsAllocation) GTEST_SKIP() << "built with a sanitizer, whose allocator is not asked";
+  sculpt::StrokeLog log = table2Log();
+  log.header.density = 2000;
+  sculpt::Document document(log.header);
+  for (const sculpt::Command& command : log.commands) document.apply(command);
+  const std::vector<implicit::Primitive> list = stateOf(document).list;
+  // The document has made the tables of directions, which all models share. The model's object itself is on
+  // the stack.
+  const Given before;
+  points::SurfelModel model(document.model().sampling(), sculpt::clustersFor(log.header));
+  model.append(list);
+  expectCounts(before, model.bytes().total(), 0);
+  model.remove(200, 150, {.threads = 1});
+  expectCounts(before, model.bytes().total(), 0);
+  model.append(std::span(list).subspan(200, 150));
+  expectCounts(before, model.bytes().total(), 0);
+}
+
 class BackendBytes : public testing::TestWithParam<BackendKind> {};
 
 INSTANTIATE_TEST_SUITE_P(Shapes, BackendBytes,
