@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "experiments/paper_table.h"
 #include "experiments/text.h"
@@ -73,7 +74,7 @@ std::size_t bytesOf(const MemoryStep& step, std::string_view backend) {
 std::string ratio(std::size_t large, std::size_t small) {
   if (small == 0) return "-";
   const double r = static_cast<double>(large) / static_cast<double>(small);
-  return r < 9.95 ? fmt::format("{:.1f}", r) : grouped(static_cast<std::uint64_t>(r + 0.5));
+  return r < 9.95 ? fmt::format("{:.1f}", r) : grouped(static_cast<std::uint64_t>(std::llround(r)));
 }
 
 std::string lead(const MemoryLog& log) {
@@ -200,7 +201,8 @@ std::string logSection(const MemoryLog& log, const LogImages& images) {
   std::string html = fmt::format(
       "<h2>{}</h2>\n<p>{} strokes, {} stamps, {} surfels at the end, {} samples per square unit.{}</p>\n",
       escapeHtml(log.name), log.strokes, grouped(log.stamps), grouped(log.steps.back().surfels),
-      log.density < 1 ? fmt::to_string(log.density) : grouped(static_cast<std::uint64_t>(log.density + 0.5f)),
+      log.density < 1 ? fmt::to_string(log.density)
+                      : grouped(static_cast<std::uint64_t>(std::llround(log.density))),
       log.walked == 0
           ? ""
           : fmt::format(

@@ -17,7 +17,7 @@ restroke_packages=(
   libopenvdb-dev libboost-iostreams-dev                        # tests/bench: the rival
 )
 restroke_clang_packages=(clang-19 libclang-rt-19-dev)
-restroke_ci_packages=(clang-format-19 clang-tidy-19 openexr)
+restroke_ci_packages=(clang-format-19 openexr)
 
 # heading TEXT: the line that opens a step. The step before it is closed with the time that it took.
 heading() {

@@ -286,8 +286,8 @@ class Painter {
     for (int y = inner.y0; y < inner.y0 + inner.height; ++y) {
       std::uint64_t row = ws.edges[static_cast<std::size_t>(y - window.y0)];
       for (; row; row &= row - 1) {
-        const int i = std::countr_zero(row);
-        visit(window.x0 + i, y, static_cast<std::size_t>((y - window.y0) * kTileStride + i));
+        const int i = std::countr_zero(row), cell = (y - window.y0) * kTileStride + i;
+        visit(window.x0 + i, y, static_cast<std::size_t>(cell));
       }
     }
   }
@@ -340,7 +340,8 @@ DepthImage renderDepth(std::span<const Surfel> surfels, const Camera& camera, co
       tiles.forEach(column, row, [&](const ScreenDisc& disc) { drawNearest(nearest, disc, 0, pass); });
       for (int y = 0; y < pass.window.height; ++y)
         for (int x = 0; x < pass.window.width; ++x) {
-          const auto cell = static_cast<std::size_t>(y * kTileStride + x);
+          const int place = y * kTileStride + x;
+          const auto cell = static_cast<std::size_t>(place);
           if (nearest.disc[cell] >= 0)
             image.depth[static_cast<std::size_t>(pass.window.y0 + y) * image.width +
                         static_cast<std::size_t>(pass.window.x0 + x)] = 1.0f / nearest.w[cell];
