@@ -89,7 +89,6 @@ void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
   const implicit::BallKernels& kernels = implicit::ballKernels();
   const SphereSamples& table =
       SphereSamples::ofCount(implicit::sampleCount(primitive.shape, sampling_.density));
-  const bool atEnd = position == list_.size();
   const std::uint32_t slot = PrimitiveList::slotOf(list_.insert(position, primitive));
   if (slot >= samples_.size()) samples_.resize(slot + 1);
   Samples& own = samples_[slot];
@@ -123,7 +122,7 @@ void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
       for (std::size_t k = 0; k < n; ++k) changed.push_back(std::uint64_t{other} << 32 | touched[k]);
     }
   }
-  if (!atEnd) reevaluate(changed, {.threads = 1});
+  reevaluate(changed, {.threads = 1});
 }
 
 void SurfelModel::remove(std::size_t first, std::size_t count, const Execution& execution) {

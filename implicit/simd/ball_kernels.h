@@ -72,8 +72,6 @@ struct BallKernels {
   /// Writes the numbers of the patches that may meet the ball, in order; returns how many. `out` has room for
   /// all.
   std::size_t (*touchedPatches)(const PatchedBall& ball, const DropBall& drop, std::uint32_t* out);
-  /// Writes the indices of the balls that may meet the sphere; returns how many. `out` has room for all.
-  std::size_t (*overlapping)(const BallArrays& balls, const DropBall& sphere, std::uint32_t* out);
 };
 
 [[nodiscard]] const BallKernels& ballKernels();
