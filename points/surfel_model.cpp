@@ -111,17 +111,11 @@ void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
   // Older samples in it go; younger ones may go or come, because what they were added to or carved from has
   // changed.
   std::vector<std::uint64_t> changed;
-  std::vector<std::uint32_t> touched;
-  for (std::size_t i = 0; i < near_.size(); ++i) {
+  for (std::size_t i = 0; i < balls.earlier; ++i) {
     const std::uint32_t other = near_.slot(i);
-    if (i < balls.earlier) {
-      surfelCount_ -= kernels.dropSamples(ballIn(other), drop, samples_[other].visible.get());
-    } else {
-      touched.resize(std::max<std::size_t>(touched.size(), samples_[other].table->patches()));
-      const std::size_t n = kernels.touchedPatches(ballIn(other), drop, touched.data());
-      for (std::size_t k = 0; k < n; ++k) changed.push_back(std::uint64_t{other} << 32 | touched[k]);
-    }
+    surfelCount_ -= kernels.dropSamples(ballIn(other), drop, samples_[other].visible.get());
   }
+  for (std::size_t i = balls.earlier; i < near_.size(); ++i) addTouched(near_.slot(i), drop, changed);
   reevaluate(changed, {.threads = 1});
 }
 
@@ -142,19 +136,18 @@ void SurfelModel::remove(std::size_t first, std::size_t count, const Execution& 
     list_.remove(id);
   }
   // What was in a removed ball, or asked about it, is evaluated again.
-  const implicit::BallKernels& kernels = implicit::ballKernels();
   std::vector<std::uint64_t> changed;
-  std::vector<std::uint32_t> touched;
   for (const DropBall& ball : gone) {
     near_.gather(list_, ball, std::numeric_limits<PrimitiveList::Label>::max());
-    for (std::size_t i = 0; i < near_.size(); ++i) {
-      const std::uint32_t other = near_.slot(i);
-      touched.resize(std::max<std::size_t>(touched.size(), samples_[other].table->patches()));
-      const std::size_t n = kernels.touchedPatches(ballIn(other), ball, touched.data());
-      for (std::size_t k = 0; k < n; ++k) changed.push_back(std::uint64_t{other} << 32 | touched[k]);
-    }
+    for (std::size_t i = 0; i < near_.size(); ++i) addTouched(near_.slot(i), ball, changed);
   }
   reevaluate(changed, execution);
+}
+
+void SurfelModel::addTouched(std::uint32_t slot, const DropBall& ball, std::vector<std::uint64_t>& patches) {
+  touched_.resize(std::max<std::size_t>(touched_.size(), samples_[slot].table->patches()));
+  const std::size_t n = implicit::ballKernels().touchedPatches(ballIn(slot), ball, touched_.data());
+  for (std::size_t k = 0; k < n; ++k) patches.push_back(std::uint64_t{slot} << 32 | touched_[k]);
 }
 
 void SurfelModel::reevaluate(std::vector<std::uint64_t>& patches, const Execution& execution) {
@@ -244,10 +237,14 @@ void SurfelModel::evaluate(std::span<const Run> runs, std::span<std::uint16_t* c
   });
 }
 
-void SurfelModel::rebuild(const Execution& execution) {
+std::vector<std::uint16_t*> SurfelModel::visibleBySlot() const {
   std::vector<std::uint16_t*> visible(samples_.size());
   for (std::size_t s = 0; s < samples_.size(); ++s) visible[s] = samples_[s].visible.get();
-  evaluate(runsOf({}), visible, {}, execution);
+  return visible;
+}
+
+void SurfelModel::rebuild(const Execution& execution) {
+  evaluate(runsOf({}), visibleBySlot(), {}, execution);
   surfelCount_ = 0;
   for (const Samples& s : samples_)
     for (std::uint32_t p = 0; s.table && p < s.table->patches(); ++p)
@@ -288,9 +285,7 @@ std::vector<Surfel> SurfelModel::expand(std::span<std::uint16_t* const> visible,
 }
 
 std::vector<Surfel> SurfelModel::surfels(const Execution& execution) const {
-  std::vector<std::uint16_t*> visible(samples_.size());
-  for (std::size_t s = 0; s < samples_.size(); ++s) visible[s] = samples_[s].visible.get();
-  return expand(visible, list_.size(), execution);
+  return expand(visibleBySlot(), list_.size(), execution);
 }
 
 std::vector<Surfel> SurfelModel::surfels(Prefix prefix, const Execution& execution) const {
@@ -339,7 +334,7 @@ ModelBytes SurfelModel::bytes() const {
   return {.list = list_.bytes(),
           .clusters = list_.clusters().bytes(),
           .surfels = samples_.capacity() * sizeof(Samples) + visibleBytes_,
-          .scratch = near_.bytes(),
+          .scratch = near_.bytes() + touched_.capacity() * sizeof(std::uint32_t),
           .tables = SphereSamples::bytesOfAll()};
 }
 

@@ -69,9 +69,12 @@ class SurfelModel {
   struct Run;
   [[nodiscard]] implicit::PatchedBall ballIn(std::uint32_t slot) const;
   void insertOne(std::size_t position, const implicit::Primitive& primitive);
+  /// Appends the patches of a primitive that reach into the ball, as slot << 32 | patch.
+  void addTouched(std::uint32_t slot, const implicit::DropBall& ball, std::vector<std::uint64_t>& patches);
   void reevaluate(std::vector<std::uint64_t>& patches, const Execution& execution);
   void evaluate(std::span<const Run> runs, std::span<std::uint16_t* const> visible, implicit::Prefix prefix,
                 const Execution& execution) const;
+  [[nodiscard]] std::vector<std::uint16_t*> visibleBySlot() const;
   [[nodiscard]] std::vector<Run> runsOf(implicit::Prefix prefix) const;
   [[nodiscard]] std::vector<Surfel> expand(std::span<std::uint16_t* const> visible, std::size_t primitives,
                                            const Execution& execution) const;
@@ -82,6 +85,7 @@ class SurfelModel {
   std::size_t visibleBytes_ = 0;
   std::vector<Samples> samples_;  // by slot
   implicit::NearBalls near_;
+  std::vector<std::uint32_t> touched_;  // scratch of addTouched
 };
 
 }  // namespace restroke::points

@@ -1,4 +1,4 @@
-// Files that are there whole or not at all (issue: full disk, read-only disk, existing files untouched).
+// Files that are whole or absent: full disk, read-only disk, existing files untouched.
 
 #include <gtest/gtest.h>
 #include <sys/mount.h>

@@ -1,4 +1,4 @@
-// The CPU splat renderer (SPEC S3, S7; issue rows "CPU splat renderer").
+// The CPU splat renderer (SPEC S3, S7).
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// PNG and OpenEXR (issue: layers and camera attributes of the contract).
+// PNG and OpenEXR: layers and camera attributes as README.md states them.
 
 #include <ImathMatrix.h>
 #include <ImathVec.h>

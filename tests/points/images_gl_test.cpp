@@ -1,5 +1,4 @@
-// The OpenGL splat renderer, against the CPU's (issue: "depth from OpenGL and from the CPU agree to the
-// stated bound").
+// The OpenGL splat renderer, against the CPU's: depths agree to the stated bound.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// SPEC S7; issue, shows 5: `embree` and `exact` agree on every hit that both have; disagreements are counted.
+// SPEC S7: `embree` and `exact` agree on every hit that both have; disagreements are counted.
 
 #include "retarget/methods/embree.h"
 

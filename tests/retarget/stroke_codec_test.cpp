@@ -233,8 +233,8 @@ TEST(StrokeCodec, PrintsBytesPerPointOfEverySharedFile) {
     std::printf("%-36s %3zu strokes %5zu points: %.3f bytes a point, %.3f without time and pressure\n",
                 file.filename().c_str(), strokes, points, static_cast<double>(all) / n,
                 static_cast<double>(screen) / n);
-    // Issue: 64 + 4 n and 48 + 2.5 n bytes a stroke, header and camera counted. The history keeps 32 bytes
-    // and a quarter of the points' bytes for itself.
+    // The budget: 64 + 4 n and 48 + 2.5 n bytes a stroke, header and camera counted. The history keeps 32
+    // bytes and a quarter of the points' bytes for itself.
     EXPECT_LE(static_cast<double>(all), 32 * s + 3.0 * n);
     EXPECT_LE(static_cast<double>(screen), 16 * s + 2.0 * n);
   }

@@ -98,7 +98,8 @@ TEST(History, CamerasAndBrushesAreKeptOnceWhileTheyRecur) {
   EXPECT_GE(different, same + 60 * sizeof(Camera));
 }
 
-// The budget of issue 2: header and camera counted, over every stroke file of the shared folder.
+// The budget of 64 + 4 n bytes a stroke: header and camera counted, over every stroke file of the shared
+// folder.
 TEST(History, S5BytesAStrokeStayWithinTheBudgetOnRealStrokes) {
   const auto data = sharedData();
   if (data.empty()) GTEST_SKIP() << "no shared data folder";
