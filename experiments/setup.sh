@@ -9,11 +9,14 @@ restroke_started=$SECONDS
 restroke_packages=(
   g++ cmake ninja-build pkgconf                                # tools
   libtbb-dev libembree-dev libglm-dev libfmt-dev               # implicit, retarget
+  libcgal-dev                                                  # implicit: exact predicates
   libepoxy-dev libegl-dev libegl1 libgl1-mesa-dri              # points: OpenGL without a display
   libimath-dev libopenexr-dev libpng-dev                       # points: images
+  lib3mf-dev libpugixml-dev zlib1g-dev                         # points: mesh files
   libcli11-dev nlohmann-json3-dev libzstd-dev libxxhash-dev    # sculpt, experiments
   python3 python3-matplotlib python3-numpy                     # experiments: figures
   libgtest-dev libbenchmark-dev                                # tests
+  admesh                                                       # tests: another opinion about meshes
   libopenvdb-dev libboost-iostreams-dev                        # tests/bench: the rival
 )
 restroke_clang_packages=(clang-19 libclang-rt-19-dev)

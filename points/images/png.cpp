@@ -85,7 +85,7 @@ DisplayImage display(const Image& image, const DisplayOptions& options) {
       for (int channel = 0; channel < 3; ++channel)
         out.rgba[4 * p + static_cast<std::size_t>(channel)] =
             static_cast<std::uint8_t>(std::min(encode(color[channel]) * 255.0f + up, 255.0f));
-      out.rgba[4 * p + 3] = static_cast<std::uint8_t>(std::clamp(alpha, 0.0f, 1.0f) * 255.0f + 0.5f);
+      out.rgba[4 * p + 3] = static_cast<std::uint8_t>(std::lround(std::clamp(alpha, 0.0f, 1.0f) * 255.0f));
     }
   });
   return out;

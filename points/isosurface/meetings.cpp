@@ -1,0 +1,87 @@
+#include "points/isosurface/meetings.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "implicit/geometry/exact_predicates.h"
+#include "implicit/geometry/triangle_tree.h"
+
+namespace restroke::points {
+
+namespace {
+
+using Corners = std::array<std::uint32_t, 3>;
+
+Triangle triangleOf(const TriangleMesh& mesh, const Corners& c) {
+  return {mesh.vertices[c[0]], mesh.vertices[c[1]], mesh.vertices[c[2]]};
+}
+
+// Surely no point of b in a's plane: most pairs of neighbours end here, without exact arithmetic. Coordinates
+// are float32, so that the differences are exact to 2^-52 and the determinants err by a few of that.
+bool surelyOnOneSide(const Triangle& a, const Triangle& b) {
+  const DVec3 o(a[0]), u = DVec3(a[1]) - o, v = DVec3(a[2]) - o;
+  const DVec3 n = cross(u, v);
+  const DVec3 size(std::fabs(u.y * v.z) + std::fabs(u.z * v.y), std::fabs(u.z * v.x) + std::fabs(u.x * v.z),
+                   std::fabs(u.x * v.y) + std::fabs(u.y * v.x));
+  int side = 0;
+  for (const Point p : b) {
+    const DVec3 d = DVec3(p) - o;
+    const double det = dot(n, d),
+                 bound = 0x1p-46 * dot(size, DVec3(std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)));
+    const int s = det > bound ? 1 : det < -bound ? -1 : 0;
+    if (s == 0 || (side != 0 && s != side)) return false;
+    side = s;
+  }
+  return true;
+}
+
+bool meetBadly(const TriangleMesh& mesh, Corners s, Corners t) {
+  // Shared vertices to the front.
+  std::size_t shared = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto it = std::find(t.begin() + static_cast<std::ptrdiff_t>(shared), t.end(), s[i]);
+    if (it == t.end()) continue;
+    std::swap(s[i], s[shared]);
+    std::swap(*it, t[shared]);
+    ++shared;
+  }
+  const Triangle a = triangleOf(mesh, s), b = triangleOf(mesh, t);
+  if (shared == 0 && (surelyOnOneSide(a, b) || surelyOnOneSide(b, a))) return false;
+  if (shared == 3 || areCollinear(a) || areCollinear(b)) return true;
+  if (shared == 2) return foldOnto({a[0], a[1]}, a[2], b[2]);
+  if (shared == 1) return meet(a, Segment{b[1], b[2]}) || meet(b, Segment{a[1], a[2]});
+  return meet(a, b);
+}
+
+}  // namespace
+
+std::vector<std::array<std::uint32_t, 2>> meetingPairs(const TriangleMesh& mesh,
+                                                       const std::vector<bool>& chosen) {
+  const TriangleTree tree(mesh);
+  const std::size_t count = mesh.triangles.size();
+  constexpr std::size_t kChunk = 512;
+  std::vector<std::vector<std::array<std::uint32_t, 2>>> found((count + kChunk - 1) / kChunk);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size()),
+                    [&](const tbb::blocked_range<std::size_t>& r) {
+                      for (std::size_t chunk = r.begin(); chunk < r.end(); ++chunk)
+                        for (std::size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
+                          if (!chosen[i]) continue;
+                          const auto t = static_cast<std::uint32_t>(i);
+                          tree.forEachTouching(tree.boxOf(t), [&](std::uint32_t other) {
+                            // A pair of two chosen ones is tested once.
+                            if (other == t || (chosen[other] && other < t)) return;
+                            if (meetBadly(mesh, mesh.triangles[t], mesh.triangles[other]))
+                              found[chunk].push_back({std::min(t, other), std::max(t, other)});
+                          });
+                        }
+                    });
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  for (const auto& chunk : found) pairs.insert(pairs.end(), chunk.begin(), chunk.end());
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+}  // namespace restroke::points

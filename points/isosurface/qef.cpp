@@ -1,0 +1,152 @@
+// Ju, Losasso, Schaefer, Warren, "Dual contouring of Hermite data", SIGGRAPH 2002, section 2: minimise the
+// squared distances to the tangent planes, through an eigendecomposition whose small eigenvalues are dropped,
+// from the mean of the crossings. Where the minimum leaves the cell we minimise over each of the cell's
+// faces, edges and corners instead and take the best, which is the constrained minimum (the error is convex).
+
+#include "points/isosurface/qef.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace restroke::points {
+
+namespace {
+
+struct Eigen3 {
+  std::array<double, 3> value{};
+  std::array<DVec3, 3> vector{DVec3(1, 0, 0), DVec3(0, 1, 0), DVec3(0, 0, 1)};
+};
+
+// Cyclic Jacobi rotations (Golub, Van Loan, "Matrix computations", section 8.5): + - * / sqrt only. Each
+// sweep squares what is left off the diagonal; 10 are more than double precision can use.
+Eigen3 eigenOf(const std::array<double, 6>& m) {
+  double a[3][3] = {{m[0], m[1], m[2]}, {m[1], m[3], m[4]}, {m[2], m[4], m[5]}};
+  double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (int sweep = 0; sweep < 10; ++sweep) {
+    if (a[0][1] == 0 && a[0][2] == 0 && a[1][2] == 0) break;
+    for (int p = 0; p < 2; ++p)
+      for (int q = p + 1; q < 3; ++q) {
+        if (a[p][q] == 0) continue;
+        const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+        const double t = (theta >= 0 ? 1.0 : -1.0) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
+        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+        for (int k = 0; k < 3; ++k) {
+          const double kp = a[k][p], kq = a[k][q];
+          a[k][p] = c * kp - s * kq;
+          a[k][q] = s * kp + c * kq;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double pk = a[p][k], qk = a[q][k];
+          a[p][k] = c * pk - s * qk;
+          a[q][k] = s * pk + c * qk;
+        }
+        a[p][q] = a[q][p] = 0;
+        for (auto& row : v) {
+          const double kp = row[p], kq = row[q];
+          row[p] = c * kp - s * kq;
+          row[q] = s * kp + c * kq;
+        }
+      }
+  }
+  Eigen3 out;
+  for (int i = 0; i < 3; ++i) {
+    out.value[static_cast<std::size_t>(i)] = a[i][i];
+    out.vector[static_cast<std::size_t>(i)] = {v[0][i], v[1][i], v[2][i]};
+  }
+  return out;
+}
+
+DVec3 times(const std::array<double, 6>& m, DVec3 x) {
+  return {m[0] * x.x + m[1] * x.y + m[2] * x.z, m[1] * x.x + m[3] * x.y + m[4] * x.z,
+          m[2] * x.x + m[4] * x.y + m[5] * x.z};
+}
+
+}  // namespace
+
+void Qef::add(DVec3 p, DVec3 n) {
+  const double d = dot(n, p);
+  a_[0] += n.x * n.x;
+  a_[1] += n.x * n.y;
+  a_[2] += n.x * n.z;
+  a_[3] += n.y * n.y;
+  a_[4] += n.y * n.z;
+  a_[5] += n.z * n.z;
+  b_ += n * d;
+  c_ += d * d;
+  sum_ += p;
+  normals_ += n;
+  ++count_;
+}
+
+double Qef::errorAt(DVec3 x) const {
+  return std::max(0.0, dot(x, times(a_, x)) - 2 * dot(b_, x) + c_);
+}
+
+// Eigenvalues up to this count as none.
+double Qef::leastEigenvalue() const {
+  const std::array<double, 3> value = eigenOf(a_).value;
+  return kRankRatio * std::max({value[0], value[1], value[2]});
+}
+
+Qef::Minimum Qef::solve(const Fixed& fixed, double half, double least) const {
+  // The mean moved onto the bounds; from there in the free directions.
+  Minimum out{mean(), 0};
+  std::array<double, 6> a = a_;
+  std::size_t free = 0, lastFree = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (fixed[i] != 0) {
+      out.position[static_cast<int>(i)] = fixed[i] * half;
+    } else {
+      ++free;
+      lastFree = i;
+    }
+  }
+  DVec3 residual = b_ - times(a_, out.position);
+  constexpr std::array<std::array<std::size_t, 3>, 3> kEntry{{{0, 1, 2}, {1, 3, 4}, {2, 4, 5}}};
+  if (free == 1) {
+    const double value = a[kEntry[lastFree][lastFree]];
+    if (value > least)
+      out.position[static_cast<int>(lastFree)] += residual[static_cast<int>(lastFree)] / value;
+  }
+  if (free < 2) return out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (fixed[i] == 0) continue;
+    for (std::size_t j = 0; j < 3; ++j) a[kEntry[i][j]] = 0;
+    residual[static_cast<int>(i)] = 0;
+  }
+  const Eigen3 eigen = eigenOf(a);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (eigen.value[i] > least) {
+      out.position += eigen.vector[i] * (dot(eigen.vector[i], residual) / eigen.value[i]);
+      ++out.rank;
+    }
+  return out;
+}
+
+Qef::Minimum Qef::minimum() const {
+  return solve({}, 0, leastEigenvalue());
+}
+
+Qef::Minimum Qef::minimumWithin(double half) const {
+  const auto within = [&](DVec3 p) {
+    return std::fabs(p.x) <= half && std::fabs(p.y) <= half && std::fabs(p.z) <= half;
+  };
+  const double least = leastEigenvalue();
+  const Minimum free = solve({}, half, least);
+  if (within(free.position)) return free;
+  Minimum best{mean(), free.rank};
+  for (int i = 0; i < 3; ++i) best.position[i] = std::clamp(best.position[i], -half, half);
+  double error = errorAt(best.position);
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const DVec3 p = solve({x, y, z}, half, least).position;
+        if (!within(p) || !(errorAt(p) < error)) continue;
+        error = errorAt(p);
+        best.position = p;
+      }
+  return best;
+}
+
+}  // namespace restroke::points
