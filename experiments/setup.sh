@@ -10,6 +10,7 @@ restroke_packages=(
   g++ cmake ninja-build pkgconf                                # tools
   libtbb-dev libembree-dev libglm-dev libfmt-dev               # implicit, retarget
   libepoxy-dev libegl-dev libegl1 libgl1-mesa-dri              # points: OpenGL without a display
+  libqhull-dev                                                 # implicit: hulls
   libimath-dev libopenexr-dev libpng-dev                       # points: images
   libcli11-dev nlohmann-json3-dev libzstd-dev libxxhash-dev    # sculpt, experiments
   python3 python3-matplotlib python3-numpy                     # experiments: figures
