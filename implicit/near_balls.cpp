@@ -6,9 +6,12 @@
 
 namespace restroke::implicit {
 
-DropBall dropBall(const Sphere& s) {
+DropBall dropBall(const Shape& shape) {
+  const Sphere& s = shape.ball();
+  if (const PosedVolume* volume = shape.volume())
+    return {s.center.x, s.center.y, s.center.z, s.radius + volume->slack(), 0, volume};
   const SphereTolerance t = toleranceOf(s);
-  return {s.center.x, s.center.y, s.center.z, s.radius + t.slack, t.dropRadius * t.dropRadius};
+  return {s.center.x, s.center.y, s.center.z, s.radius + t.slack, t.dropRadius * t.dropRadius, nullptr};
 }
 
 void NearBalls::gather(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
@@ -43,7 +46,10 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
   const std::size_t n = found_.size();
   stride_ = (n + kPatch) / kPatch * kPatch;
   if (floats_.size() < 6 * stride_) floats_.resize(12 * stride_);
-  if (positive_.size() < stride_) positive_.resize(2 * stride_);
+  if (positive_.size() < stride_) {
+    positive_.resize(2 * stride_);
+    volumes_.resize(2 * stride_);
+  }
   float* x = floats_.data();
   earlier_ = static_cast<std::uint32_t>(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -53,8 +59,9 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
     x[stride_ + i] = b.y;
     x[2 * stride_ + i] = b.z;
     x[3 * stride_ + i] = b.reach;
-    x[4 * stride_ + i] = p.shape.radius * p.shape.radius;
+    x[4 * stride_ + i] = p.shape.ball().radius * p.shape.ball().radius;
     x[5 * stride_ + i] = b.r2Drop;
+    volumes_[i] = b.volume;
     positive_[i] = p.sign == Sign::Positive;
     if (found_[i].label > own && earlier_ == n) earlier_ = static_cast<std::uint32_t>(i);
   }
@@ -66,7 +73,8 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
 
 std::size_t NearBalls::bytes() const {
   return found_.capacity() * sizeof(Found) + seen_.capacity() * sizeof(std::uint32_t) +
-         floats_.capacity() * sizeof(float) + positive_.capacity();
+         floats_.capacity() * sizeof(float) + positive_.capacity() +
+         volumes_.capacity() * sizeof(const PosedVolume*);
 }
 
 BallArrays NearBalls::arrays() const {
@@ -77,6 +85,7 @@ BallArrays NearBalls::arrays() const {
           x + 3 * stride_,
           x + 4 * stride_,
           x + 5 * stride_,
+          volumes_.data(),
           positive_.data(),
           static_cast<std::uint32_t>(found_.size()),
           earlier_};

@@ -36,12 +36,13 @@ class NearBalls {
       seen_;  // by slot: the last round that met it, since a primitive is listed in several cells
   std::uint32_t round_ = 0;
   std::vector<float> floats_;  // six arrays, one after the other
+  std::vector<const PosedVolume*> volumes_;
   std::vector<std::uint8_t> positive_;
   std::size_t stride_ = 0;
   std::uint32_t earlier_ = 0;
 };
 
-/// The ball that drops the older samples inside a primitive, with the reach of all its tests.
-[[nodiscard]] DropBall dropBall(const Sphere& s);
+/// What drops the older samples inside a primitive, with the reach of all its tests.
+[[nodiscard]] DropBall dropBall(const Shape& shape);
 
 }  // namespace restroke::implicit

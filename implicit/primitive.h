@@ -3,16 +3,12 @@
 
 #include <cstdint>
 
-#include "implicit/shapes/sphere.h"
+#include "implicit/shape.h"
 
 namespace restroke::implicit {
 
 enum class Sign : std::uint8_t { Positive, Negative };  ///< adds, carves
 enum class Side : std::uint8_t { Outside, Inside };
-
-/// The kinds of closed volume that a primitive may be. More kinds turn this into a variant; what each must
-/// provide is listed in implicit/README.md.
-using Shape = Sphere;
 
 struct Primitive {
   Shape shape;

@@ -1,9 +1,9 @@
 #include "implicit/primitive_list.h"
 
 #include <algorithm>
+#include <set>
 
 #include "implicit/errors.h"
-#include "implicit/shapes/sphere_samples.h"
 
 namespace restroke::implicit {
 
@@ -16,7 +16,8 @@ constexpr PrimitiveList::Label kLabelStep = PrimitiveList::Label{1} << 32;
 }  // namespace
 
 void validate(const Primitive& primitive) {
-  const Sphere& s = primitive.shape;
+  if (!primitive.shape.isSphere()) return;
+  const Sphere& s = primitive.shape.ball();
   if (!isFinite(s.center) || !std::isfinite(s.radius))
     throw InputError("a sphere has a centre or radius that is not finite; all four numbers must be finite");
   if (!(s.radius > 0))
@@ -49,8 +50,8 @@ PrimitiveId PrimitiveList::insert(std::size_t position, const Primitive& primiti
     free_.pop_back();
     slots_[slot] = primitive;
   }
-  const Sphere& s = primitive.shape;
-  balls_[slot] = {s.center.x, s.center.y, s.center.z, s.radius + toleranceOf(s).slack};
+  const Sphere& s = primitive.shape.ball();
+  balls_[slot] = {s.center.x, s.center.y, s.center.z, s.radius + slackOf(primitive.shape)};
   Label before = position == 0 ? 0 : labels_[order_[position - 1]];
   if (position < size() && labels_[order_[position]] - before < 2) {
     relabelAll();
@@ -67,6 +68,7 @@ void PrimitiveList::remove(PrimitiveId id) {
   const std::uint32_t slot = slotOf(id);
   clusters_.remove(slot, boundsOf(slots_[slot].shape), labels_);
   order_.erase(order_.begin() + static_cast<std::ptrdiff_t>(positionOf(id)));
+  slots_[slot] = {};  // a volume is let go of
   free_.push_back(slot);
 }
 
@@ -89,7 +91,7 @@ Sphere PrimitiveList::boundingSphere(Prefix prefix) const {
   Sphere out{bounds(prefix).center(), 0};
   const std::size_t end = std::min(prefix.count, size());
   for (std::size_t i = 0; i < end; ++i) {
-    const Sphere& s = at(i).shape;
+    const Sphere& s = at(i).shape.ball();
     if (at(i).sign == Sign::Positive)
       out.radius = std::max(out.radius, length(s.center - out.center) + s.radius);
   }
@@ -105,7 +107,16 @@ void PrimitiveList::relabelAll() {
 }
 
 std::size_t PrimitiveList::bytes() const {
-  return slots_.capacity() * sizeof(Primitive) + balls_.capacity() * sizeof(Ball) +
+  std::set<const PosedVolume*> posed;
+  std::set<const Volume*> volumes;
+  for (const std::uint32_t slot : order_)
+    if (const PosedVolume* volume = slots_[slot].shape.volume()) {
+      posed.insert(volume);
+      volumes.insert(&volume->volume());
+    }
+  std::size_t bytes = posed.size() * sizeof(PosedVolume);
+  for (const Volume* volume : volumes) bytes += volume->bytes();
+  return bytes + slots_.capacity() * sizeof(Primitive) + balls_.capacity() * sizeof(Ball) +
          labels_.capacity() * sizeof(Label) + (free_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
 }
 

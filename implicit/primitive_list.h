@@ -12,9 +12,9 @@
 
 namespace restroke::implicit {
 
-/// Throws InputError when the primitive is not finite, its radius is not positive, or float32 has too few
-/// digits for it: it reaches beyond kMaxCoordinate, or its radius is less than 2^-14 of its greatest
-/// coordinate.
+/// Throws InputError when a sphere is not finite, its radius is not positive, or float32 has too few digits
+/// for it: it reaches beyond kMaxCoordinate, or its radius is less than 2^-14 of its greatest coordinate.
+/// (Volumes were checked when they were posed.)
 void validate(const Primitive& primitive);
 
 /// The first `count` primitives of a list. Every query may be asked of a prefix, which costs nothing to make.
@@ -72,7 +72,7 @@ class PrimitiveList {
   };
   [[nodiscard]] std::span<const Ball> balls() const { return balls_; }  ///< by slot
 
-  /// Bytes held, from the containers' capacity.
+  /// Bytes held, from the containers' capacity; volumes that are no spheres included, each once.
   [[nodiscard]] std::size_t bytes() const;
 
   static std::uint32_t slotOf(PrimitiveId id) { return static_cast<std::uint32_t>(id); }
@@ -87,9 +87,5 @@ class PrimitiveList {
   std::vector<std::uint32_t> order_;  // position -> slot
   Clusters clusters_;
 };
-
-/// Coordinates and radii beyond this (model units) are refused: float32 has too few digits left there to tell
-/// samples apart at any useful density.
-inline constexpr float kMaxCoordinate = 1e6f;
 
 }  // namespace restroke::implicit

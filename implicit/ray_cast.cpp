@@ -79,6 +79,7 @@ void walkCells(const ClusterGrid& grid, const Ray& ray, double tIn, double tOut,
 // Memory that one thread's rays use one after the other.
 struct Scratch {
   std::vector<Interval> coarse, active;
+  std::vector<RayInterval> intervals;
 };
 
 class Walk {
@@ -89,17 +90,21 @@ class Walk {
         end_(list.labelEnd(prefix)),
         t_(ray.tMin),
         coarse_(scratch.coarse),
-        active_(scratch.active) {
+        active_(scratch.active),
+        intervals_(scratch.intervals) {
     coarse_.clear();
   }
 
   std::optional<RayHit> run() {
     const std::vector<ClusterGrid>& grids = list_.clusters().grids();
     for (std::size_t g = 1; g < grids.size(); ++g) collectCoarse(grids[g]);
-    std::sort(coarse_.begin(), coarse_.end(),
-              [](const Interval& a, const Interval& b) { return a.label < b.label; });
+    std::sort(coarse_.begin(), coarse_.end(), [](const Interval& a, const Interval& b) {
+      return a.label != b.label ? a.label < b.label : a.enter < b.enter;
+    });
     coarse_.erase(std::unique(coarse_.begin(), coarse_.end(),
-                              [](const Interval& a, const Interval& b) { return a.label == b.label; }),
+                              [](const Interval& a, const Interval& b) {
+                                return a.label == b.label && a.enter == b.enter;
+                              }),
                   coarse_.end());
     double tStart = ray_.tMin, tEnd = ray_.tMin;
     const ClusterGrid& fine = grids[0];
@@ -125,8 +130,17 @@ class Walk {
   void add(std::uint32_t slot, std::vector<Interval>& to) const {
     const PrimitiveList::Label label = list_.labels()[slot];
     const Primitive& p = list_[PrimitiveId{slot}];
-    if (const auto in = intersect(p.shape, ray_))
-      to.push_back({in->enter, in->exit, label, slot, p.sign == Sign::Positive});
+    const bool positive = p.sign == Sign::Positive;
+    if (p.shape.isSphere()) {
+      if (const auto in = intersect(p.shape.ball(), ray_))
+        to.push_back({in->enter, in->exit, label, slot, positive});
+      return;
+    }
+    // The ball around it is asked first: most rays miss.
+    if (!intersect(p.shape.ball(), ray_)) return;
+    intervals_.clear();
+    p.shape.volume()->intersect(ray_, intervals_);
+    for (const RayInterval& in : intervals_) to.push_back({in.enter, in.exit, label, slot, positive});
   }
 
   void collectCoarse(const ClusterGrid& grid) {
@@ -210,6 +224,7 @@ class Walk {
   bool started_ = false, inside_ = false;
   Previous previous_;
   std::vector<Interval>&coarse_, &active_;
+  std::vector<RayInterval>& intervals_;
   std::optional<RayHit> hit_;
 };
 

@@ -56,14 +56,16 @@ void sidesOfGroup(const PrimitiveList& list, std::span<const Point> points, Side
   }
   thread_local NearBalls near;
   const Point c = box.center();
-  near.gather(list, {c.x, c.y, c.z, radius * 1.0001f + length(c) * 0x1p-20f, 0}, list.labelEnd(prefix));
+  const DropBall sphere{c.x, c.y, c.z, radius * 1.0001f + length(c) * 0x1p-20f, 0, nullptr};
+  near.gather(list, sphere, list.labelEnd(prefix));
   float x[kPatch] = {}, y[kPatch] = {}, z[kPatch] = {};
   for (std::size_t i = 0; i < points.size(); ++i) {
     x[i] = points[i].x;
     y[i] = points[i].y;
     z[i] = points[i].z;
   }
-  const std::uint32_t inside = ballKernels().insideLanes(x, y, z, (1u << points.size()) - 1, near.arrays());
+  const std::uint32_t inside =
+      ballKernels().insideLanes({x, y, z, (1u << points.size()) - 1, sphere}, near.arrays());
   for (std::size_t i = 0; i < points.size(); ++i)
     sides[i] = (inside >> i & 1) != 0 ? Side::Inside : Side::Outside;
 }

@@ -17,19 +17,20 @@
 
 #include "implicit/errors.h"
 #include "implicit/parallel.h"
+#include "implicit/shapes/sphere_samples.h"
 
 namespace restroke::points {
 
 using implicit::DropBall;
 using implicit::kPatch;
-using implicit::PatchedBall;
 using implicit::PatchTree;
 using implicit::Prefix;
 using implicit::Primitive;
 using implicit::PrimitiveId;
 using implicit::PrimitiveList;
+using implicit::SampledShape;
+using implicit::SampleTable;
 using implicit::Sign;
-using implicit::SphereSamples;
 
 namespace {
 
@@ -40,15 +41,30 @@ constexpr float kDiscRadius = 0.95f;
 // A primitive with more patches than this is evaluated in runs of one node of its tree.
 constexpr std::uint32_t kRunPatches = kPatch * kPatch;
 
-float discRadius(const implicit::Sphere& s, std::uint32_t samples) {
-  const float fourPi = 12.566370614359172f;
-  return kDiscRadius * s.radius * std::sqrt(fourPi / static_cast<float>(samples));
+float discRadius(const implicit::Shape& shape, std::uint32_t samples) {
+  return kDiscRadius * static_cast<float>(std::sqrt(areaOf(shape) / samples));
 }
 
-DropBall boundOf(const PatchedBall& ball, int level, std::uint32_t node) {
-  const PatchTree::Level& l = ball.tree.level[level];
-  return {ball.x + ball.radius * l.x[node], ball.y + ball.radius * l.y[node],
-          ball.z + ball.radius * l.z[node], ball.radius * l.radius[node] + 2 * ball.slack, 0};
+// What a primitive is, as numbers: equal primitives, equal numbers.
+void describe(const Primitive& primitive, std::vector<float>& numbers) {
+  const implicit::Sphere& ball = primitive.shape.ball();
+  numbers.assign({ball.center.x, ball.center.y, ball.center.z, ball.radius,
+                  primitive.sign == Sign::Positive ? 1.0f : -1.0f});
+  const implicit::PosedVolume* volume = primitive.shape.volume();
+  if (!volume) return;
+  for (const char c : volume->volume().kind().name) numbers.push_back(static_cast<float>(c));
+  const implicit::Pose& pose = volume->pose();
+  numbers.insert(numbers.end(), {pose.position.x, pose.position.y, pose.position.z, pose.rotation[0],
+                                 pose.rotation[1], pose.rotation[2], pose.rotation[3], pose.scale});
+  const implicit::VolumeParameters& parameters = volume->volume().parameters();
+  for (const std::vector<float>& values : parameters.values) {
+    numbers.push_back(static_cast<float>(values.size()));
+    numbers.insert(numbers.end(), values.begin(), values.end());
+  }
+  if (!parameters.mesh) return;
+  for (const Point v : parameters.mesh->vertices) numbers.insert(numbers.end(), {v.x, v.y, v.z});
+  for (const auto& triangle : parameters.mesh->triangles)
+    for (const std::uint32_t v : triangle) numbers.push_back(std::bit_cast<float>(v));
 }
 
 }  // namespace
@@ -67,9 +83,11 @@ SurfelModel::SurfelModel(SamplingOptions sampling, implicit::ClusterOptions clus
         fmt::format("the density is {}; it must be finite and greater than 0", sampling.density));
 }
 
-PatchedBall SurfelModel::ballIn(std::uint32_t slot) const {
+SampledShape SurfelModel::shapeIn(std::uint32_t slot) const {
   const Primitive& p = list_[PrimitiveId{slot}];
-  return implicit::patchedBall(p.shape, p.sign == Sign::Positive, *samples_[slot].table);
+  SampledShape shape = implicit::sampled(p.shape, *samples_[slot].table);
+  shape.positive = p.sign == Sign::Positive;
+  return shape;
 }
 
 void SurfelModel::append(std::span<const Primitive> primitives, const Execution& execution) {
@@ -87,8 +105,8 @@ void SurfelModel::insert(std::size_t position, std::span<const Primitive> primit
 
 void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
   const implicit::BallKernels& kernels = implicit::ballKernels();
-  const SphereSamples& table =
-      SphereSamples::ofCount(implicit::sampleCount(primitive.shape, sampling_.density));
+  const SampleTable& table =
+      implicit::samplesOf(primitive.shape, implicit::sampleCount(primitive.shape, sampling_.density));
   const std::uint32_t slot = PrimitiveList::slotOf(list_.insert(position, primitive));
   if (slot >= samples_.size()) samples_.resize(slot + 1);
   Samples& own = samples_[slot];
@@ -101,10 +119,10 @@ void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
   const implicit::BallArrays balls = near_.arrays();
 
   // Its own samples.
-  const PatchedBall ball = ballIn(slot);
-  const int top = ball.tree.levels - 1;
-  for (std::uint32_t node = 0; node < ball.tree.level[top].count; ++node)
-    kernels.evaluateNode(ball, top, node, balls, own.visible.get());
+  const SampledShape shape = shapeIn(slot);
+  const int top = shape.tree->levels - 1;
+  for (std::uint32_t node = 0; node < shape.tree->level[top].count; ++node)
+    kernels.evaluateNode(shape, top, node, balls, own.visible.get());
   for (std::uint32_t p = 0; p < table.patches(); ++p)
     surfelCount_ += static_cast<unsigned>(std::popcount(own.visible[p]));
 
@@ -113,7 +131,7 @@ void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
   std::vector<std::uint64_t> changed;
   for (std::size_t i = 0; i < balls.earlier; ++i) {
     const std::uint32_t other = near_.slot(i);
-    surfelCount_ -= kernels.dropSamples(ballIn(other), drop, samples_[other].visible.get());
+    surfelCount_ -= kernels.dropSamples(shapeIn(other), drop, samples_[other].visible.get());
   }
   for (std::size_t i = balls.earlier; i < near_.size(); ++i) addTouched(near_.slot(i), drop, changed);
   reevaluate(changed, {.threads = 1});
@@ -123,11 +141,14 @@ void SurfelModel::remove(std::size_t first, std::size_t count, const Execution& 
   RESTROKE_CHECK_LE(first, list_.size());
   RESTROKE_CHECK_LE(count, list_.size() - first);
   std::vector<DropBall> gone;
+  std::vector<implicit::Shape> shapes;  // keeps the volumes that `gone` refers to
   gone.reserve(count);
   for (std::size_t i = count; i-- > 0;) {
     const PrimitiveId id = list_.idAt(first + i);
     const std::uint32_t slot = PrimitiveList::slotOf(id);
-    gone.push_back(implicit::dropBall(list_[id].shape));
+    const implicit::Shape& shape = list_[id].shape;
+    gone.push_back(implicit::dropBall(shape));
+    if (!shape.isSphere()) shapes.push_back(shape);
     Samples& own = samples_[slot];
     for (std::uint32_t p = 0; p < own.table->patches(); ++p)
       surfelCount_ -= static_cast<unsigned>(std::popcount(own.visible[p]));
@@ -146,7 +167,7 @@ void SurfelModel::remove(std::size_t first, std::size_t count, const Execution& 
 
 void SurfelModel::addTouched(std::uint32_t slot, const DropBall& ball, std::vector<std::uint64_t>& patches) {
   touched_.resize(std::max<std::size_t>(touched_.size(), samples_[slot].table->patches()));
-  const std::size_t n = implicit::ballKernels().touchedPatches(ballIn(slot), ball, touched_.data());
+  const std::size_t n = implicit::ballKernels().touchedPatches(shapeIn(slot), ball, touched_.data());
   for (std::size_t k = 0; k < n; ++k) patches.push_back(std::uint64_t{slot} << 32 | touched_[k]);
 }
 
@@ -163,15 +184,15 @@ void SurfelModel::reevaluate(std::vector<std::uint64_t>& patches, const Executio
   const auto evaluateGroup = [&](std::size_t g, implicit::NearBalls& near) {
     const std::size_t first = groups[g], n = groups[g + 1] - first;
     const auto slot = static_cast<std::uint32_t>(patches[first] >> 32);
-    const PatchedBall ball = ballIn(slot);
+    const SampledShape shape = shapeIn(slot);
     std::uint32_t numbers[kPatch];
     std::uint16_t masks[kPatch];
     for (std::size_t k = 0; k < n; ++k) numbers[k] = static_cast<std::uint32_t>(patches[first + k]);
-    const DropBall region = ball.tree.levels > 1
-                                ? boundOf(ball, 1, numbers[0] / std::uint32_t{kPatch})
-                                : DropBall{ball.x, ball.y, ball.z, ball.radius + 2 * ball.slack, 0};
+    const DropBall region = shape.tree->levels > 1
+                                ? implicit::regionOfNode(shape, 1, numbers[0] / std::uint32_t{kPatch})
+                                : implicit::regionOf(list_[PrimitiveId{slot}].shape);
     near.gather(list_, region, std::numeric_limits<PrimitiveList::Label>::max(), list_.labels()[slot]);
-    implicit::ballKernels().evaluatePatches(ball, numbers, n, near.arrays(), masks);
+    implicit::ballKernels().evaluatePatches(shape, numbers, n, near.arrays(), masks);
     std::ptrdiff_t difference = 0;
     for (std::size_t k = 0; k < n; ++k) {
       std::uint16_t& mask = samples_[slot].visible[numbers[k]];
@@ -201,7 +222,7 @@ std::vector<SurfelModel::Run> SurfelModel::runsOf(Prefix prefix) const {
   const std::size_t end = std::min(prefix.count, list_.size());
   for (std::size_t i = 0; i < end; ++i) {
     const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
-    const SphereSamples& table = *samples_[slot].table;
+    const SampleTable& table = *samples_[slot].table;
     if (table.patches() <= kRunPatches) {
       runs.push_back({slot, table.tree().levels - 1, 0, true});
     } else {
@@ -221,17 +242,17 @@ void SurfelModel::evaluate(std::span<const Run> runs, std::span<std::uint16_t* c
       thread_local implicit::NearBalls near;
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         const Run& run = runs[i];
-        const PatchedBall ball = ballIn(run.slot);
-        const DropBall region = run.whole ? DropBall{ball.x, ball.y, ball.z, ball.radius + 2 * ball.slack, 0}
-                                          : boundOf(ball, run.level, run.node);
+        const SampledShape shape = shapeIn(run.slot);
+        const DropBall region = run.whole ? implicit::regionOf(list_[PrimitiveId{run.slot}].shape)
+                                          : implicit::regionOfNode(shape, run.level, run.node);
         near.gather(list_, region, end, list_.labels()[run.slot]);
         const implicit::BallArrays balls = near.arrays();
         if (!run.whole) {
-          kernels.evaluateNode(ball, run.level, run.node, balls, visible[run.slot]);
+          kernels.evaluateNode(shape, run.level, run.node, balls, visible[run.slot]);
           continue;
         }
-        for (std::uint32_t node = 0; node < ball.tree.level[run.level].count; ++node)
-          kernels.evaluateNode(ball, run.level, node, balls, visible[run.slot]);
+        for (std::uint32_t node = 0; node < shape.tree->level[run.level].count; ++node)
+          kernels.evaluateNode(shape, run.level, node, balls, visible[run.slot]);
       }
     });
   });
@@ -267,15 +288,16 @@ std::vector<Surfel> SurfelModel::expand(std::span<std::uint16_t* const> visible,
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         const Primitive& primitive = list_.at(i);
         const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
-        const SphereSamples& table = *samples_[slot].table;
+        const SampleTable& table = *samples_[slot].table;
+        const SampledShape shape = shapeIn(slot);
         const float radius = discRadius(primitive.shape, table.count());
         std::size_t at = first[i];
         for (std::uint32_t p = 0; p < table.patches(); ++p)
           for (std::uint32_t bits = visible[slot][p]; bits != 0; bits &= bits - 1) {
-            const Vec3 d = table.direction(p * static_cast<std::uint32_t>(kPatch) +
-                                           static_cast<std::uint32_t>(std::countr_zero(bits)));
-            const bool positive = primitive.sign == Sign::Positive;
-            out[at++] = {implicit::samplePosition(primitive.shape, d), positive ? d : -d, radius,
+            const implicit::PlacedSample s =
+                implicit::placedSample(shape, p * static_cast<std::uint32_t>(kPatch) +
+                                                  static_cast<std::uint32_t>(std::countr_zero(bits)));
+            out[at++] = {s.position, shape.positive ? s.normal : -s.normal, radius,
                          static_cast<std::uint32_t>(i), primitive.sign};
           }
       }
@@ -309,18 +331,17 @@ std::uint64_t SurfelModel::stateHash(const Execution& execution) const {
       std::vector<float> numbers;
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         const Primitive& primitive = list_.at(i);
-        const bool positive = primitive.sign == Sign::Positive;
-        const Samples& s = samples_[PrimitiveList::slotOf(list_.idAt(i))];
-        const implicit::Sphere& sphere = primitive.shape;
-        numbers.assign(
-            {sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius, positive ? 1.0f : -1.0f});
+        const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
+        const Samples& s = samples_[slot];
+        const SampledShape shape = shapeIn(slot);
+        describe(primitive, numbers);
         for (std::uint32_t p = 0; p < s.table->patches(); ++p)
           for (std::uint32_t bits = s.visible[p]; bits != 0; bits &= bits - 1) {
-            const Vec3 d = s.table->direction(p * static_cast<std::uint32_t>(kPatch) +
-                                              static_cast<std::uint32_t>(std::countr_zero(bits)));
-            const Point at = implicit::samplePosition(sphere, d);
-            const Vec3 n = positive ? d : -d;
-            numbers.insert(numbers.end(), {at.x, at.y, at.z, n.x, n.y, n.z});
+            const implicit::PlacedSample at =
+                implicit::placedSample(shape, p * static_cast<std::uint32_t>(kPatch) +
+                                                  static_cast<std::uint32_t>(std::countr_zero(bits)));
+            const Vec3 n = shape.positive ? at.normal : -at.normal;
+            numbers.insert(numbers.end(), {at.position.x, at.position.y, at.position.z, n.x, n.y, n.z});
           }
         hashes[i] = XXH3_64bits(numbers.data(), numbers.size() * sizeof(float));
       }
@@ -335,7 +356,7 @@ ModelBytes SurfelModel::bytes() const {
           .clusters = list_.clusters().bytes(),
           .surfels = samples_.capacity() * sizeof(Samples) + visibleBytes_,
           .scratch = near_.bytes() + touched_.capacity() * sizeof(std::uint32_t),
-          .tables = SphereSamples::bytesOfAll()};
+          .tables = implicit::bytesOfSphereSamples()};
 }
 
 }  // namespace restroke::points

@@ -11,7 +11,6 @@
 #include "implicit/execution.h"
 #include "implicit/near_balls.h"
 #include "implicit/primitive_list.h"
-#include "implicit/shapes/sphere_samples.h"
 #include "points/surfel.h"
 
 namespace restroke::points {
@@ -62,12 +61,12 @@ class SurfelModel {
  private:
   /// The samples of the primitive in one slot of the list.
   struct Samples {
-    const implicit::SphereSamples* table = nullptr;
+    const implicit::SampleTable* table = nullptr;
     std::unique_ptr<std::uint16_t[]> visible;  ///< bit k of visible[p]: sample 16 p + k is a surfel
   };
   /// A run of patches of one primitive: the unit of parallel work.
   struct Run;
-  [[nodiscard]] implicit::PatchedBall ballIn(std::uint32_t slot) const;
+  [[nodiscard]] implicit::SampledShape shapeIn(std::uint32_t slot) const;
   void insertOne(std::size_t position, const implicit::Primitive& primitive);
   /// Appends the patches of a primitive that reach into the ball, as slot << 32 | patch.
   void addTouched(std::uint32_t slot, const implicit::DropBall& ball, std::vector<std::uint64_t>& patches);

@@ -93,7 +93,7 @@ class Stamper {
                        static_cast<float>(roundToGrid(place.y, grid_)),
                        static_cast<float>(roundToGrid(place.z, grid_))};
     outcome_.stamps.push_back(
-        {.shape = {.center = center, .radius = static_cast<float>(radius)},
+        {.shape = {center, static_cast<float>(radius)},
          .sign = brush_.mode == Mode::Add ? implicit::Sign::Positive : implicit::Sign::Negative});
   }
 
@@ -209,9 +209,9 @@ bool isPowerOfTwo(float value) {
 
 void validate(const Brush& brush, const std::string& where) {
   // Written so that NaN fails.
-  if (!(brush.radius > 0 && brush.radius <= implicit::kMaxCoordinate))
+  if (!(brush.radius > 0 && brush.radius <= kMaxCoordinate))
     throw InputError(fmt::format("{}: brush radius {} is not above 0 and at most {} model units", where,
-                                 brush.radius, implicit::kMaxCoordinate));
+                                 brush.radius, kMaxCoordinate));
   if (!(brush.spacing >= 0.01f && brush.spacing <= 4))
     throw InputError(fmt::format("{}: brush spacing {} is not from 0.01 to 4 radii", where, brush.spacing));
   if (!(brush.pressureToRadius >= 0 && brush.pressureToRadius <= 1))

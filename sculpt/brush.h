@@ -15,7 +15,7 @@ namespace restroke::sculpt {
 enum class Mode : std::uint8_t { Add, Carve };
 
 struct Brush {
-  float radius = 0.05f;   ///< model units, > 0, at most implicit::kMaxCoordinate
+  float radius = 0.05f;   ///< model units, > 0, at most kMaxCoordinate
   float spacing = 0.25f;  ///< distance between neighbouring stamps as a fraction of the radius, 0.01 to 4
   /// 0: pressure has no effect; 1: the radius is proportional to it; between: mixed linearly. The radius
   /// never falls below 1/16 of `radius`.

@@ -39,7 +39,7 @@ void validate(const LogHeader& header, const std::string& where) {
     throw InputError(
         fmt::format("{}: grid is {}, but must be a power of two from 2^-40 to 2^10", where, header.grid));
   const implicit::Sphere& base = header.base;
-  const float limit = implicit::kMaxCoordinate;
+  const float limit = kMaxCoordinate;
   for (const float value : {base.center.x, base.center.y, base.center.z})
     if (!(std::fabs(value) <= limit))
       throw InputError(fmt::format("{}: base.sphere.center holds {}, but coordinates must lie within +-{}",

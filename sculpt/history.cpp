@@ -103,7 +103,7 @@ NodeId History::add(const Command& command, NodeResult result) {
       putCount(packed, drawn->outcome->misses);
       putCount(packed, drawn->outcome->pieces);
       putCount(packed, drawn->outcome->stamps.size());
-      for (const implicit::Primitive& stamp : drawn->outcome->stamps) putSphere(packed, stamp.shape);
+      for (const implicit::Primitive& stamp : drawn->outcome->stamps) putSphere(packed, stamp.shape.ball());
     }
     retarget::encodePoints(drawn->stroke.points, packed,
                            {.time = options_.times, .pressure = options_.pressures});

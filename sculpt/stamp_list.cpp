@@ -58,8 +58,7 @@ class Lines {
 float coordinateOf(Lines& lines, std::string_view word, std::string_view rule) {
   float value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc{} || end != word.data() + word.size() ||
-      !(std::fabs(value) <= implicit::kMaxCoordinate))
+  if (error != std::errc{} || end != word.data() + word.size() || !(std::fabs(value) <= kMaxCoordinate))
     lines.refuse(word, rule);
   return value;
 }

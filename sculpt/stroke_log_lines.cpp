@@ -18,9 +18,8 @@ namespace {
 
 constexpr double kAny = 3.4e38;
 constexpr NumberRange kNumber{-kAny, kAny, "a number within the range of float32"};
-constexpr NumberRange kCoordinate{-implicit::kMaxCoordinate, implicit::kMaxCoordinate,
-                                  "a number within +-1e6"};
-constexpr NumberRange kRadius{1e-30, implicit::kMaxCoordinate, "a number more than 0 and at most 1e6"};
+constexpr NumberRange kCoordinate{-kMaxCoordinate, kMaxCoordinate, "a number within +-1e6"};
+constexpr NumberRange kRadius{1e-30, kMaxCoordinate, "a number more than 0 and at most 1e6"};
 constexpr NumberRange kPositive{1e-30, kAny, "a number more than 0"};
 constexpr NumberRange kScreen{-(1 << 24), 1 << 24, "a whole number of 1/16 pixels within +-2^24"};
 constexpr NumberRange kTime{0, 2147483647.0, "a whole number of milliseconds from 0 to 2^31 - 1"};
@@ -85,7 +84,7 @@ std::string formatStroke(const StrokeCommand& command, LineContext& context) {
                    command.outcome->misses, command.outcome->pieces);
     std::vector<implicit::Sphere> spheres;
     spheres.reserve(command.outcome->stamps.size());
-    for (const implicit::Primitive& stamp : command.outcome->stamps) spheres.push_back(stamp.shape);
+    for (const implicit::Primitive& stamp : command.outcome->stamps) spheres.push_back(stamp.shape.ball());
     putSpheres(out, "stamps", spheres);
     out += '}';
   }

@@ -15,4 +15,9 @@ struct Ray {
   [[nodiscard]] DVec3 at(double t) const { return origin + t * direction; }
 };
 
+/// A stretch of a ray's line, as parameters enter <= exit.
+struct RayInterval {
+  double enter = 0, exit = 0;
+};
+
 }  // namespace restroke

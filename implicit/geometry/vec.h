@@ -11,6 +11,10 @@ using Point = glm::vec3;
 using Vec3 = glm::vec3;
 using DVec3 = glm::dvec3;
 
+/// Coordinates and radii beyond this (model units) are refused: float32 has too few digits left there to tell
+/// samples apart at any useful density.
+inline constexpr float kMaxCoordinate = 1e6f;
+
 /// Sums in a fixed order, so that scalar and SIMD code give the same bits.
 [[nodiscard]] inline float dot(Vec3 a, Vec3 b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;

@@ -27,10 +27,7 @@ struct Sphere {
 /// Outward unit normal at a surface point (towards +x for the centre itself).
 [[nodiscard]] DVec3 outwardNormal(const Sphere& s, DVec3 p);
 
-/// Where the ray's whole line is inside, as parameters enter <= exit; nothing when it misses.
-struct RayInterval {
-  double enter = 0, exit = 0;
-};
+/// Where the ray's whole line is inside; nothing when it misses.
 [[nodiscard]] std::optional<RayInterval> intersect(const Sphere& s, const Ray& ray);
 
 }  // namespace restroke::implicit

@@ -1,5 +1,6 @@
 #pragma once
-// The inner loops of side tests and surfel pruning: 16 points against a list of balls. One source
+// The inner loops of side tests and surfel pruning: 16 points against a list of primitives. Spheres are
+// tested here; what is no sphere is met through the ball around it, and then asked itself. One source
 // (ball_kernels.inc), compiled once for each instruction set; every level gives the same bits, because each
 // operation is a single IEEE float32 + - * or comparison, in the same order, never fused.
 
@@ -13,6 +14,8 @@ namespace restroke::implicit {
 /// Points are handled in patches of this many.
 inline constexpr std::size_t kPatch = 16;
 
+class PosedVolume;
+
 /// Balls as arrays, padded to a multiple of kPatch with balls that nothing meets (x = kNowhere). Ordered by
 /// list position.
 struct BallArrays {
@@ -22,56 +25,78 @@ struct BallArrays {
   const float* r2;     ///< squared radius: the exact side test
   const float*
       r2Drop;  ///< squared radius of the ball that drops older samples, boundary and rounding included
-  const std::uint8_t* positive;  ///< 1 adds, 0 carves
-  std::uint32_t count;           ///< without the padding
+  const PosedVolume* const* volume;  ///< null for a sphere; else what the ball is around, and r2 and r2Drop
+                                     ///< mean nothing
+  const std::uint8_t* positive;      ///< 1 adds, 0 carves
+  std::uint32_t count;               ///< without the padding
   std::uint32_t earlier;  ///< the first `earlier` of them stand before the sampled primitive in the list, the
                           ///< rest after it
 };
 inline constexpr float kNowhere = 1e30f;
 
-/// A sphere's samples: a table of unit directions in patches of 16, under a tree of bounding spheres of
-/// fan-out 16.
+/// A primitive's samples before it is placed: positions and normals in patches of 16, under a tree of
+/// bounding spheres of fan-out 16.
 struct PatchTree {
   static constexpr int kMaxLevels = 7;
-  const float *dx, *dy, *dz;  ///< unit directions
+  const float *x, *y, *z;     ///< positions; of a sphere: unit directions
+  const float *nx, *ny, *nz;  ///< outward unit normals; of a sphere: the same arrays
   struct Level {
-    const float *x, *y, *z,
-        *radius;  ///< bounding spheres, in units of the sphere's radius, padded to multiples of 16
+    const float *x, *y, *z, *radius;  ///< bounding spheres, padded to multiples of 16
     std::uint32_t count;
   } level[kMaxLevels];  ///< level 0: the patches; level k: groups of 16^k patches
   int levels;
 };
 
-/// One sphere whose samples are asked about.
-struct PatchedBall {
-  PatchTree tree;
-  float x, y, z, radius;
-  float keepRadius;  ///< radius of the sphere on which the keep test is made, just outside
+/// A rotation and a scaled one, rows first.
+struct Rotations {
+  float unit[9], scaled[9];
+};
+
+/// One placed primitive whose samples are asked about: they lie at center + scale * rotation * position.
+struct SampledShape {
+  const PatchTree* tree;
+  float x, y, z;               ///< of a sphere the centre
+  float scale;                 ///< of a sphere the radius
+  const Rotations* rotations;  ///< null: none, as for spheres
+  float keepScale;   ///< of a sphere: radius of the sphere on which the keep test is made, just outside
+  float keepOffset;  ///< of others: distance along the normal at which it is made
   float slack;       ///< added to bounding radii: more than rounding can move a sample
   bool positive;
 };
 
+/// The primitive that drops older samples, boundary and rounding included.
 struct DropBall {
   float x, y, z, reach, r2Drop;
+  const PosedVolume* volume;  ///< null for a sphere
 };
+
+/// Up to 16 points, and a sphere that holds those in `lanes`.
+struct PointGroup {
+  const float *x, *y, *z;
+  std::uint32_t lanes;  ///< bit i: point i counts
+  DropBall sphere;
+};
+
+/// Those of the points that are in the volume or on its boundary; when dropping, also those just outside that
+/// rounding may have moved there. The same bits at every instruction set: it is compiled once.
+[[nodiscard]] std::uint32_t lanesInVolume(const PosedVolume& volume, const PointGroup& group, bool dropping);
 
 /// The kernels of one instruction set.
 struct BallKernels {
-  /// Of 16 points, those (of the lanes in `lanes`) whose last containing ball is positive. r2 decides; all
-  /// balls count.
-  std::uint32_t (*insideLanes)(const float* px, const float* py, const float* pz, std::uint32_t lanes,
-                               const BallArrays& balls);
+  /// Of 16 points in a sphere, those (of its lanes) whose last containing primitive is positive. All of the
+  /// arrays count.
+  std::uint32_t (*insideLanes)(const PointGroup& group, const BallArrays& balls);
   /// Visibility (SPEC S3) of the samples of the listed patches: bit k of masks[i] is sample k of patches[i].
-  void (*evaluatePatches)(const PatchedBall& ball, const std::uint32_t* patches, std::size_t count,
+  void (*evaluatePatches)(const SampledShape& shape, const std::uint32_t* patches, std::size_t count,
                           const BallArrays& balls, std::uint16_t* masks);
   /// The same for all patches under a node of the tree; masks is indexed by patch number.
-  void (*evaluateNode)(const PatchedBall& ball, int level, std::uint32_t node, const BallArrays& balls,
+  void (*evaluateNode)(const SampledShape& shape, int level, std::uint32_t node, const BallArrays& balls,
                        std::uint16_t* masks);
   /// Clears the samples that lie in the ball; returns how many were visible before.
-  std::size_t (*dropSamples)(const PatchedBall& ball, const DropBall& drop, std::uint16_t* masks);
+  std::size_t (*dropSamples)(const SampledShape& shape, const DropBall& drop, std::uint16_t* masks);
   /// Writes the numbers of the patches that may meet the ball, in order; returns how many. `out` has room for
   /// all.
-  std::size_t (*touchedPatches)(const PatchedBall& ball, const DropBall& drop, std::uint32_t* out);
+  std::size_t (*touchedPatches)(const SampledShape& shape, const DropBall& drop, std::uint32_t* out);
 };
 
 [[nodiscard]] const BallKernels& ballKernels();

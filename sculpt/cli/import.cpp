@@ -14,9 +14,8 @@ namespace restroke::cli {
 namespace {
 
 float checkedSize(const char* option, float value) {
-  if (!(value > 0) || !(value <= implicit::kMaxCoordinate))
-    throw InputError(
-        fmt::format("{}: {} must be more than 0 and at most {}", option, value, implicit::kMaxCoordinate));
+  if (!(value > 0) || !(value <= kMaxCoordinate))
+    throw InputError(fmt::format("{}: {} must be more than 0 and at most {}", option, value, kMaxCoordinate));
   return value;
 }
 

@@ -16,9 +16,9 @@ OpenVdbResult replayWithOpenVdb(const std::vector<implicit::Primitive>& list, do
   const auto begin = Clock::now();
   for (const implicit::Primitive& p : list) {
     const auto start = Clock::now();
-    const openvdb::Vec3f c(p.shape.center.x, p.shape.center.y, p.shape.center.z);
+    const openvdb::Vec3f c(p.shape.ball().center.x, p.shape.ball().center.y, p.shape.ball().center.z);
     openvdb::FloatGrid::Ptr ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(
-        p.shape.radius, c, static_cast<float>(voxel), 3.0f);
+        p.shape.ball().radius, c, static_cast<float>(voxel), 3.0f);
     if (!shape) {
       shape = ball;
       continue;

@@ -28,16 +28,16 @@ PrimitiveList listOf(const std::vector<Primitive>& plain, float cell = 0.1f) {
 /// The definition in double: all crossings of all primitives, sorted, and the side just after each.
 std::optional<double> firstCrossing(const std::vector<Primitive>& plain, const Ray& ray, std::size_t prefix) {
   std::vector<double> events;
-  std::vector<std::optional<RayInterval>> intervals;
+  std::vector<std::vector<RayInterval>> intervals;
   for (std::size_t i = 0; i < prefix && i < plain.size(); ++i) {
-    intervals.push_back(intersect(plain[i].shape, ray));
-    if (intervals.back()) events.insert(events.end(), {intervals.back()->enter, intervals.back()->exit});
+    intersect(plain[i].shape, ray, intervals.emplace_back());
+    for (const RayInterval& in : intervals.back()) events.insert(events.end(), {in.enter, in.exit});
   }
   std::sort(events.begin(), events.end());
   const auto inside = [&](double t) {
     for (std::size_t i = intervals.size(); i-- > 0;)
-      if (intervals[i] && intervals[i]->enter <= t && t < intervals[i]->exit)
-        return plain[i].sign == Sign::Positive;
+      for (const RayInterval& in : intervals[i])
+        if (in.enter <= t && t < in.exit) return plain[i].sign == Sign::Positive;
     return false;
   };
   bool before = inside(ray.tMin);

@@ -47,7 +47,8 @@ TEST(SideOf, S4EqualsTheDefinitionOnAllPrefixesInScalarAndBatchAtEverySimdLevel)
       for (int i = 0; i < 16; ++i) points.push_back(c + random.inCube(0.05f));
     }
     for (int k = 0; k < 300; ++k) points.push_back(random.inCube(1.5f));
-    for (const Primitive& p : plain) points.push_back(p.shape.center + Point(p.shape.radius, 0, 0));
+    for (const Primitive& p : plain)
+      points.push_back(p.shape.ball().center + Point(p.shape.ball().radius, 0, 0));
     points.push_back({std::nanf(""), 0, 0});
     points.push_back({1e30f, 0, 0});
     std::vector<Side> sides(points.size());

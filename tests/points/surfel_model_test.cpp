@@ -87,7 +87,7 @@ TEST(SurfelModel, S3AddOnAddOfTheSameSphereHasOneOwner) {
   const SurfelModel model = modelOf({add({0.3f, -0.2f, 0.7f}, 0.5f), add({0.3f, -0.2f, 0.7f}, 0.5f)});
   const auto n = surfelsByPrimitive(model);
   EXPECT_EQ(n[0], 0u);
-  EXPECT_EQ(n[1], implicit::sampleCount({{}, 0.5f}, kDensity));
+  EXPECT_EQ(n[1], implicit::sampleCount(implicit::Sphere{{}, 0.5f}, kDensity));
 }
 
 TEST(SurfelModel, S3CarveOnCarveOfTheSameSphereHasOneOwner) {
@@ -165,8 +165,8 @@ TEST(SurfelModel, S3KeepsItsRulesFarFromTheOrigin) {
   std::vector<Primitive> list{add({500, -300, 100}, 1)};
   for (int i = 0; i < 20; ++i) {
     Primitive p = testing::randomPrimitive(random, {});
-    p.shape.radius = std::fmax(p.shape.radius, 0.05f);
-    p.shape.center += Point(500, -300, 100);
+    const implicit::Sphere& ball = p.shape.ball();
+    p.shape = {ball.center + Point(500, -300, 100), std::fmax(ball.radius, 0.05f)};
     list.push_back(p);
     list.push_back(p);
   }

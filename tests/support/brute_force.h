@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "implicit/primitive_list.h"
-#include "implicit/shapes/sphere_samples.h"
 #include "points/surfel.h"
 
 namespace restroke::testing {
@@ -27,19 +26,20 @@ inline Side sideByDefinition(const std::vector<Primitive>& list, Point p, std::s
 inline std::vector<points::Surfel> surfelsByDefinition(const std::vector<Primitive>& list, float density) {
   std::vector<points::Surfel> out;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    const Sphere& s = list[i].shape;
-    const auto& table = implicit::SphereSamples::ofCount(implicit::sampleCount(s, density));
-    const Sphere keep{s.center, implicit::toleranceOf(s).keepRadius};
+    const implicit::Shape& shape = list[i].shape;
+    const auto& table = implicit::samplesOf(shape, implicit::sampleCount(shape, density));
+    const implicit::SampledShape samples = implicit::sampled(shape, table);
     const bool positive = list[i].sign == Sign::Positive;
     for (std::uint32_t k = 0; k < table.count(); ++k) {
-      const Vec3 d = table.direction(k);
-      const Side side = sideByDefinition(list, samplePosition(keep, d), i);
+      const implicit::PlacedSample sample = implicit::placedSample(samples, k);
+      const Side side = sideByDefinition(list, sample.keep, i);
       if (side == (positive ? Side::Inside : Side::Outside)) continue;
-      const Point p = samplePosition(s, d);
+      const Point p = sample.position;
       bool dropped = false;
-      for (std::size_t j = i + 1; j < list.size() && !dropped; ++j)
-        dropped = contains(Sphere{list[j].shape.center, implicit::toleranceOf(list[j].shape).dropRadius}, p);
-      if (!dropped) out.push_back({p, positive ? d : -d, 0, static_cast<std::uint32_t>(i), list[i].sign});
+      for (std::size_t j = i + 1; j < list.size() && !dropped; ++j) dropped = drops(list[j].shape, p);
+      if (!dropped)
+        out.push_back(
+            {p, positive ? sample.normal : -sample.normal, 0, static_cast<std::uint32_t>(i), list[i].sign});
     }
   }
   return out;
