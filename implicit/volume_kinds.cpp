@@ -28,15 +28,16 @@ const VolumeKind& volumeKindNamed(std::string_view name) {
 }
 
 bool VolumeParameters::operator==(const VolumeParameters& other) const {
-  return values == other.values && (mesh == other.mesh || (mesh && other.mesh && *mesh == *other.mesh));
+  return values == other.values &&
+         (mesh == other.mesh || (mesh && other.mesh && mesh->mesh == other.mesh->mesh));
 }
 
 std::size_t bytesOf(const VolumeParameters& parameters) {
   std::size_t bytes = parameters.values.capacity() * sizeof(std::vector<float>);
   for (const auto& v : parameters.values) bytes += v.capacity() * sizeof(float);
   if (parameters.mesh)
-    bytes += sizeof(TriangleMesh) + parameters.mesh->vertices.capacity() * sizeof(Point) +
-             parameters.mesh->triangles.capacity() * sizeof(std::array<std::uint32_t, 3>);
+    bytes += sizeof(MeshSource) + parameters.mesh->mesh.vertices.capacity() * sizeof(Point) +
+             parameters.mesh->mesh.triangles.capacity() * sizeof(std::array<std::uint32_t, 3>);
   return bytes;
 }
 

@@ -3,6 +3,7 @@
 // the conformance suite and the gallery read (SPEC S13).
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -30,10 +31,18 @@ struct ParameterInfo {
   bool optional = false;  ///< a number that may be left out: 0 then
 };
 
+/// A mesh, and where it came from.
+struct MeshSource {
+  TriangleMesh mesh;
+  std::string file = {};   ///< where it was read; empty: from no file
+  std::uint64_t hash = 0;  ///< of the file's bytes, 0 without a file
+  bool repaired = false;   ///< the file is no boundary of a solid; this is what its winding number made of it
+};
+
 /// Values for the parameters of a kind, in their order. Lengths are in the units of the volume's own frame.
 struct VolumeParameters {
-  std::vector<std::vector<float>> values;         ///< a number has one; points follow each other
-  std::shared_ptr<const TriangleMesh> mesh = {};  ///< of the parameter that is a mesh
+  std::vector<std::vector<float>> values;       ///< a number has one; points follow each other
+  std::shared_ptr<const MeshSource> mesh = {};  ///< of the parameter that is a mesh
   bool operator==(const VolumeParameters& other) const;
 };
 

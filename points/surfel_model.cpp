@@ -62,8 +62,8 @@ void describe(const Primitive& primitive, std::vector<float>& numbers) {
     numbers.insert(numbers.end(), values.begin(), values.end());
   }
   if (!parameters.mesh) return;
-  for (const Point v : parameters.mesh->vertices) numbers.insert(numbers.end(), {v.x, v.y, v.z});
-  for (const auto& triangle : parameters.mesh->triangles)
+  for (const Point v : parameters.mesh->mesh.vertices) numbers.insert(numbers.end(), {v.x, v.y, v.z});
+  for (const auto& triangle : parameters.mesh->mesh.triangles)
     for (const std::uint32_t v : triangle) numbers.push_back(std::bit_cast<float>(v));
 }
 

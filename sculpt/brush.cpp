@@ -11,6 +11,7 @@
 
 #include "implicit/errors.h"
 #include "implicit/primitive_list.h"
+#include "implicit/shapes/kinds.h"
 
 namespace restroke::sculpt {
 namespace {
@@ -26,6 +27,7 @@ struct Sample {
   ScreenPoint screen;
   double pressure = 0;         // 0 to 1
   std::optional<DVec3> place;  // nothing: the ray misses
+  DVec3 normal{0, 0, 1};       // of the surface there
 };
 
 /// Radius as pressure has it, in double until a stamp is made.
@@ -59,50 +61,113 @@ double roundToGrid(double value, double grid) {
 /// Sets stamps along the polyline of hits.
 class Stamper {
  public:
-  Stamper(const Brush& brush, float grid, StrokeOutcome& outcome)
-      : brush_(brush), rule_(brush), grid_(static_cast<double>(grid)), outcome_(outcome) {}
+  Stamper(const Brush& brush, float grid, const CameraFrame& frame, StrokeOutcome& outcome)
+      : brush_(brush),
+        rule_(brush),
+        grid_(static_cast<double>(grid)),
+        right_(frame.right),
+        outcome_(outcome) {}
 
   void begin(const Sample& sample) {
+    endSweep();
     ++outcome_.pieces;
     last_ = sample;
-    stamp(*sample.place, sample.pressure);
+    firstOfPiece_ = true;
+    stamp({*sample.place, sample.pressure, sample.normal, right_});
+    // Its direction is known once the stroke goes on.
   }
   void lineTo(const Sample& sample) {
     const DVec3 from = *last_.place, chord = *sample.place - from;
     const double chordLength = length(chord);
+    if (firstOfPiece_ && chordLength > 0) {
+      if (brush_.tip) outcome_.stamps.back().rotation = implicit::rotationTo(last_.normal, chord);
+      firstOfPiece_ = false;
+    }
     double walked = 0;  // along the chord
     while (chordLength - walked >= untilNext_) {
       walked += untilNext_;
       const double s = walked / chordLength;
-      stamp(from + s * chord, last_.pressure + s * (sample.pressure - last_.pressure));
+      stamp({from + s * chord, last_.pressure + s * (sample.pressure - last_.pressure),
+             last_.normal + s * (sample.normal - last_.normal), chord});
     }
     untilNext_ -= chordLength - walked;
     last_ = sample;
   }
+  void end() { endSweep(); }
 
  private:
-  void stamp(DVec3 place, double pressure) {
+  struct Footing {
+    DVec3 place;
+    double pressure;
+    DVec3 normal, along;
+  };
+  void stamp(const Footing& at) {
+    const double radius = rule_.at(at.pressure);
+    untilNext_ = radius * static_cast<double>(brush_.spacing);
+    Stamp stamp;
+    stamp.center = {static_cast<float>(roundToGrid(at.place.x, grid_)),
+                    static_cast<float>(roundToGrid(at.place.y, grid_)),
+                    static_cast<float>(roundToGrid(at.place.z, grid_))};
+    stamp.radius = static_cast<float>(radius);
+    if (brush_.tip && dot(at.normal, at.normal) > 0)
+      stamp.rotation = implicit::rotationTo(at.normal, at.along);
+    if (brush_.trace == Trace::Sweep)
+      sweep(stamp);
+    else
+      put(stamp);
+  }
+  void put(const Stamp& stamp) {
     if (outcome_.stamps.size() == kMaxStamps)
       throw InputError(fmt::format(
           "a stroke needs more than {} stamps at a brush radius of {} and a spacing of {}; one may "
           "have at most so many",
           kMaxStamps, brush_.radius, brush_.spacing));
-    const double radius = rule_.at(pressure);
-    untilNext_ = radius * static_cast<double>(brush_.spacing);
-    const Point center{static_cast<float>(roundToGrid(place.x, grid_)),
-                       static_cast<float>(roundToGrid(place.y, grid_)),
-                       static_cast<float>(roundToGrid(place.z, grid_))};
-    outcome_.stamps.push_back(
-        {.shape = {center, static_cast<float>(radius)},
-         .sign = brush_.mode == Mode::Add ? implicit::Sign::Positive : implicit::Sign::Negative});
+    outcome_.stamps.push_back(stamp);
+  }
+  // A leg runs from the last stamp that was put over those that wait, and is put when it would no longer pass
+  // all of them closely.
+  void sweep(const Stamp& stamp) {
+    if (firstOfPiece_) {
+      put(stamp);
+      return;
+    }
+    waiting_.push_back(stamp);
+    if (waiting_.size() < 2 || passesClosely(outcome_.stamps.back(), waiting_)) return;
+    waiting_.pop_back();
+    endSweep();
+    waiting_.push_back(stamp);
+  }
+  void endSweep() {
+    if (waiting_.empty()) return;
+    waiting_.back().joined = true;
+    put(waiting_.back());
+    waiting_.clear();
+  }
+  static bool passesClosely(const Stamp& from, const std::vector<Stamp>& waiting) {
+    const Stamp& to = waiting.back();
+    const DVec3 a(from.center), leg = DVec3(to.center) - a;
+    const double square = dot(leg, leg);
+    for (const Stamp& s : waiting) {
+      const DVec3 d = DVec3(s.center) - a;
+      const double t = square > 0 ? std::clamp(dot(d, leg) / square, 0.0, 1.0) : 0;
+      const double radius = static_cast<double>(from.radius) +
+                            t * (static_cast<double>(to.radius) - static_cast<double>(from.radius));
+      const double limit = static_cast<double>(kSweepTolerance) * static_cast<double>(s.radius);
+      if (length(d - t * leg) > limit || std::fabs(radius - static_cast<double>(s.radius)) > limit)
+        return false;
+    }
+    return true;
   }
 
   const Brush& brush_;
   RadiusRule rule_;
   double grid_;
+  DVec3 right_;
   StrokeOutcome& outcome_;
   Sample last_;
-  double untilNext_ = 0;  // length to go to the next stamp
+  bool firstOfPiece_ = true;
+  std::vector<Stamp> waiting_;  // of a sweep
+  double untilNext_ = 0;        // length to go to the next stamp
 };
 
 /// Casts the stroke and refines it until it is a polyline on the surface.
@@ -121,9 +186,13 @@ class Walk {
     // A pen that rests sends the same place again and again.
     if (last_ && last_->screen == screen) {
       sample.place = last_->place;
+      sample.normal = last_->normal;
       return sample;
     }
-    if (const auto hit = caster_.cast(screen)) sample.place = DVec3(hit->position);
+    if (const auto hit = caster_.cast(screen)) {
+      sample.place = DVec3(hit->position);
+      sample.normal = DVec3(hit->normal);
+    }
     return sample;
   }
 
@@ -207,6 +276,13 @@ bool isPowerOfTwo(float value) {
 
 }  // namespace
 
+bool Brush::operator==(const Brush& other) const {
+  return radius == other.radius && spacing == other.spacing && pressureToRadius == other.pressureToRadius &&
+         mode == other.mode && trace == other.trace &&
+         (tip == other.tip || (tip && other.tip && &tip->kind() == &other.tip->kind() &&
+                               tip->parameters() == other.tip->parameters()));
+}
+
 void validate(const Brush& brush, const std::string& where) {
   // Written so that NaN fails.
   if (!(brush.radius > 0 && brush.radius <= kMaxCoordinate))
@@ -220,6 +296,10 @@ void validate(const Brush& brush, const std::string& where) {
   if (brush.mode != Mode::Add && brush.mode != Mode::Carve)
     throw InputError(
         fmt::format("{}: brush mode {} is neither add nor carve", where, static_cast<int>(brush.mode)));
+  if (brush.tip && brush.trace == Trace::Sweep)
+    throw InputError(
+        fmt::format("{}: the brush sweeps a {}, but only the ball is swept; other tips are stamped", where,
+                    brush.tip->kind().name));
 }
 
 StrokeOutcome stampsAlong(const retarget::Stroke& stroke, const Brush& brush, float grid,
@@ -227,7 +307,7 @@ StrokeOutcome stampsAlong(const retarget::Stroke& stroke, const Brush& brush, fl
   if (!isPowerOfTwo(grid))
     throw InputError(fmt::format("the grid of stamp centres, {}, is not a power of two", grid));
   StrokeOutcome outcome;
-  Stamper stamper(brush, grid, outcome);
+  Stamper stamper(brush, grid, frameOf(stroke.camera), outcome);
   Walk walk(stroke.camera, brush, caster, stamper);
   for (const retarget::StrokePoint& point : stroke.points) {
     const Sample sample =
@@ -236,7 +316,46 @@ StrokeOutcome stampsAlong(const retarget::Stroke& stroke, const Brush& brush, fl
     walk.add(sample);
   }
   walk.finish();
+  stamper.end();
   return outcome;
+}
+
+std::vector<implicit::Primitive> primitivesOf(const StrokeOutcome& outcome, const Brush& brush) {
+  const auto sign = brush.mode == Mode::Add ? implicit::Sign::Positive : implicit::Sign::Negative;
+  const std::vector<Stamp>& stamps = outcome.stamps;
+  std::vector<implicit::Primitive> primitives;
+  primitives.reserve(stamps.size());
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    const Stamp& stamp = stamps[i];
+    if (stamp.joined && i > 0) {
+      const Stamp& from = stamps[i - 1];
+      const DVec3 leg = DVec3(stamp.center) - DVec3(from.center);
+      const auto distance = static_cast<float>(length(leg));
+      if (distance > std::fabs(from.radius - stamp.radius)) {
+        const auto cone = implicit::roundConeKind().make({{{from.radius}, {stamp.radius}, {distance}}});
+        primitives.push_back({std::make_shared<const implicit::PosedVolume>(
+                                  cone, implicit::Pose{from.center, implicit::rotationTo(leg, {1, 0, 0}), 1}),
+                              sign});
+        continue;
+      }
+      // One holds the other. The ball before has a primitive of its own unless nothing was joined to it so
+      // far.
+      if (from.joined && from.radius >= stamp.radius) continue;
+      primitives.push_back({implicit::Shape(from.radius >= stamp.radius ? from.center : stamp.center,
+                                            std::max(from.radius, stamp.radius)),
+                            sign});
+      continue;
+    }
+    const bool goesOn = i + 1 < stamps.size() && stamps[i + 1].joined;
+    if (goesOn) continue;  // the leg that follows holds it
+    if (brush.tip)
+      primitives.push_back({std::make_shared<const implicit::PosedVolume>(
+                                brush.tip, implicit::Pose{stamp.center, stamp.rotation, stamp.radius}),
+                            sign});
+    else
+      primitives.push_back({implicit::Shape(stamp.center, stamp.radius), sign});
+  }
+  return primitives;
 }
 
 }  // namespace restroke::sculpt

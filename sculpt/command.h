@@ -19,7 +19,7 @@ struct LogHeader {
   std::string unit = "mm";  ///< mm, cm or m: what one model unit means in exports; changes no coordinate
   float density = 8000;     ///< samples per square model unit, finite, > 0
   float grid = 0x1p-16f;    ///< stamp centres are rounded to multiples of it (model units, a power of two)
-  implicit::Sphere base;    ///< the shape before the first stroke: one positive primitive
+  implicit::Shape base;     ///< the shape before the first stroke: one positive primitive
 };
 
 /// A stroke, as drawn. Re-projected whenever it is applied, from this input (SPEC S7).
@@ -32,10 +32,12 @@ struct StrokeCommand {
   std::optional<StrokeOutcome> outcome;
 };
 
-/// Stamps without input or camera (from a stamp list). They stay where they are.
+/// Primitives without input or camera (of a stamp list, or set by a script). They stay where they are.
 struct FixedCommand {
   Mode mode = Mode::Add;
-  std::vector<implicit::Sphere> stamps;
+  std::vector<implicit::Sphere> stamps = {};
+  std::vector<implicit::Shape> shapes = {};  ///< after the stamps: volumes of any other kind
+  [[nodiscard]] std::size_t size() const { return stamps.size() + shapes.size(); }
 };
 
 struct UndoCommand {};

@@ -20,7 +20,7 @@ implicit::Sign signOf(Mode mode) {
   return mode == Mode::Add ? implicit::Sign::Positive : implicit::Sign::Negative;
 }
 
-const LogHeader& validated(const LogHeader& header) {
+LogHeader validated(LogHeader header) {
   validate(header, "header");
   return header;
 }
@@ -38,7 +38,8 @@ void validate(const LogHeader& header, const std::string& where) {
       exponent < -39 || exponent > 11)
     throw InputError(
         fmt::format("{}: grid is {}, but must be a power of two from 2^-40 to 2^10", where, header.grid));
-  const implicit::Sphere& base = header.base;
+  if (!header.base.isSphere()) return;  // checked when it was posed
+  const implicit::Sphere& base = header.base.ball();
   const float limit = kMaxCoordinate;
   for (const float value : {base.center.x, base.center.y, base.center.z})
     if (!(std::fabs(value) <= limit))
@@ -50,13 +51,14 @@ void validate(const LogHeader& header, const std::string& where) {
 }
 
 implicit::ClusterOptions clustersFor(const LogHeader& header) {
-  return {.cell = 0.2f * header.base.radius};
+  return {.cell = 0.2f * header.base.ball().radius};
 }
 
 std::vector<implicit::Primitive> primitivesOf(const FixedCommand& fixed) {
   std::vector<implicit::Primitive> primitives;
-  primitives.reserve(fixed.stamps.size());
+  primitives.reserve(fixed.size());
   for (const implicit::Sphere& stamp : fixed.stamps) primitives.push_back({stamp, signOf(fixed.mode)});
+  for (const implicit::Shape& shape : fixed.shapes) primitives.push_back({shape, signOf(fixed.mode)});
   return primitives;
 }
 
@@ -113,8 +115,9 @@ CommandReport Document::addStroke(StrokeCommand stroke) {
     outcome = castStroke(stroke);
     report.outcomeDiffers = stroke.outcome && *stroke.outcome != outcome;
   }
-  appendStamps(outcome.stamps);
-  report.primitivesAdded = outcome.stamps.size();
+  const std::vector<implicit::Primitive> primitives = primitivesOf(outcome, stroke.brush);
+  appendStamps(primitives);
+  report.primitivesAdded = primitives.size();
   report.misses = outcome.misses;
   report.pieces = outcome.pieces;
   // What this machine made is kept where another one could make something else.
@@ -132,9 +135,9 @@ CommandReport Document::addFixed(const FixedCommand& fixed) {
   const auto start = Clock::now();
   CommandReport report;
   appendStamps(primitivesOf(fixed));
-  report.primitivesAdded = fixed.stamps.size();
-  report.pieces = fixed.stamps.empty() ? 0 : 1;
-  report.node = history_.add(fixed, {.stamps = static_cast<std::uint32_t>(fixed.stamps.size()), .misses = 0});
+  report.primitivesAdded = fixed.size();
+  report.pieces = fixed.size() == 0 ? 0 : 1;
+  report.node = history_.add(fixed, {.stamps = static_cast<std::uint32_t>(fixed.size()), .misses = 0});
   report.seconds = secondsSince(start);
   return report;
 }
@@ -160,8 +163,9 @@ CommandReport Document::redo() {
   const Command command = history_.command(report.node);
   if (const auto* stroke = std::get_if<StrokeCommand>(&command)) {
     const StrokeOutcome outcome = stroke->outcome ? *stroke->outcome : castStroke(*stroke);
-    appendStamps(outcome.stamps);
-    report.primitivesAdded = outcome.stamps.size();
+    const std::vector<implicit::Primitive> primitives = primitivesOf(outcome, stroke->brush);
+    appendStamps(primitives);
+    report.primitivesAdded = primitives.size();
     report.misses = outcome.misses;
     report.pieces = outcome.pieces;
   } else {

@@ -58,6 +58,25 @@ float takeFloat(std::span<const std::uint8_t>& in) {
   return std::bit_cast<float>(bits);
 }
 
+// Only what the brush uses: of a ball 16 bytes, of a sweep 17, of a tip 32.
+void putStamp(std::vector<std::uint8_t>& out, const Stamp& stamp, const Brush& brush) {
+  for (const float value : {stamp.center.x, stamp.center.y, stamp.center.z, stamp.radius})
+    putFloat(out, value);
+  if (brush.trace == Trace::Sweep) out.push_back(stamp.joined ? 1 : 0);
+  if (brush.tip)
+    for (const float value : stamp.rotation) putFloat(out, value);
+}
+
+Stamp takeStamp(std::span<const std::uint8_t>& in, const Brush& brush) {
+  Stamp stamp;
+  for (float* value : {&stamp.center.x, &stamp.center.y, &stamp.center.z, &stamp.radius})
+    *value = takeFloat(in);
+  if (brush.trace == Trace::Sweep) stamp.joined = takeCount(in) != 0;
+  if (brush.tip)
+    for (float& value : stamp.rotation) value = takeFloat(in);
+  return stamp;
+}
+
 void putSphere(std::vector<std::uint8_t>& out, const implicit::Sphere& sphere) {
   for (const float value : {sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius})
     putFloat(out, value);
@@ -94,6 +113,11 @@ NodeId History::add(const Command& command, NodeResult result) {
     packed.push_back(static_cast<std::uint8_t>(kFixedFlag | (fixed->mode == Mode::Carve ? kSecondFlag : 0)));
     putCount(packed, fixed->stamps.size());
     for (const implicit::Sphere& stamp : fixed->stamps) putSphere(packed, stamp);
+    // Other volumes are shared with the list, and kept by reference.
+    putCount(packed, fixed->shapes.size());
+    if (!fixed->shapes.empty()) putCount(packed, shapes_.size());
+    makeRoom(shapes_, fixed->shapes.size());
+    shapes_.insert(shapes_.end(), fixed->shapes.begin(), fixed->shapes.end());
   } else if (const auto* drawn = std::get_if<StrokeCommand>(&command)) {
     packed.push_back(static_cast<std::uint8_t>((static_cast<unsigned>(drawn->method) << kMethodShift) |
                                                (drawn->outcome ? kSecondFlag : 0u)));
@@ -103,7 +127,7 @@ NodeId History::add(const Command& command, NodeResult result) {
       putCount(packed, drawn->outcome->misses);
       putCount(packed, drawn->outcome->pieces);
       putCount(packed, drawn->outcome->stamps.size());
-      for (const implicit::Primitive& stamp : drawn->outcome->stamps) putSphere(packed, stamp.shape.ball());
+      for (const Stamp& stamp : drawn->outcome->stamps) putStamp(packed, stamp, drawn->brush);
     }
     retarget::encodePoints(drawn->stroke.points, packed,
                            {.time = options_.times, .pressure = options_.pressures});
@@ -139,6 +163,11 @@ Command History::command(NodeId node) const {
     fixed.mode = (head & kSecondFlag) != 0 ? Mode::Carve : Mode::Add;
     fixed.stamps.resize(takeCount(in));
     for (implicit::Sphere& stamp : fixed.stamps) stamp = takeSphere(in);
+    const std::size_t count = takeCount(in);
+    if (count > 0) {
+      const auto first = shapes_.begin() + static_cast<std::ptrdiff_t>(takeCount(in));
+      fixed.shapes.assign(first, first + static_cast<std::ptrdiff_t>(count));
+    }
     return fixed;
   }
   StrokeCommand drawn;
@@ -150,8 +179,7 @@ Command History::command(NodeId node) const {
     outcome.misses = takeCount(in);
     outcome.pieces = takeCount(in);
     outcome.stamps.resize(takeCount(in));
-    const auto sign = drawn.brush.mode == Mode::Add ? implicit::Sign::Positive : implicit::Sign::Negative;
-    for (implicit::Primitive& stamp : outcome.stamps) stamp = {takeSphere(in), sign};
+    for (Stamp& stamp : outcome.stamps) stamp = takeStamp(in, drawn.brush);
     drawn.outcome = std::move(outcome);
   }
   drawn.stroke.points = retarget::decodePoints(in);
@@ -193,8 +221,16 @@ std::vector<NodeId> History::pathTo(NodeId node) const {
 }
 
 std::size_t History::bytes() const {
+  std::size_t tips = 0;  // brushes may share one
+  for (std::size_t i = 0; i < brushes_.size(); ++i) {
+    const implicit::Volume* tip = brushes_[i].tip.get();
+    const auto same = [tip](const Brush& brush) { return brush.tip.get() == tip; };
+    if (tip && std::none_of(brushes_.begin(), brushes_.begin() + static_cast<std::ptrdiff_t>(i), same))
+      tips += sizeof(*tip) + implicit::bytesOf(tip->parameters());
+  }
   return nodes_.capacity() * sizeof(Node) + cameras_.capacity() * sizeof(Camera) +
-         brushes_.capacity() * sizeof(Brush) + packed_.capacity();
+         brushes_.capacity() * sizeof(Brush) + tips + packed_.capacity() +
+         shapes_.capacity() * sizeof(implicit::Shape);
 }
 
 }  // namespace restroke::sculpt

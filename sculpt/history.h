@@ -35,9 +35,9 @@ struct NodeResult {
 /// base, in order. Strokes lie one behind the other in one append-only buffer; what is appended is never
 /// rewritten.
 ///
-/// Bytes: 24 a node; cameras (56 each) and brushes (16 each) once while they recur among the last
-/// kReuseWindow different ones; points as in retarget/stroke_codec.h. Buffers grow by an eighth, so at
-/// most 12.5 % of them is unused.
+/// Bytes: 24 a node; cameras (56 each) and brushes (32 each, a tip its parameters more) once while they recur
+/// among the last kReuseWindow different ones; points as in retarget/stroke_codec.h. Buffers grow by an
+/// eighth, so at most 12.5 % of them is unused.
 class History {
  public:
   /// How many of the latest cameras and brushes are compared before another is stored.
@@ -86,6 +86,7 @@ class History {
   std::vector<Node> nodes_;
   std::vector<Camera> cameras_;
   std::vector<Brush> brushes_;
+  std::vector<implicit::Shape> shapes_;  // of fixed commands, those that are no spheres
   std::vector<std::uint8_t> packed_;
 };
 

@@ -77,8 +77,10 @@ StrokeLog readPenStrokes(const std::filesystem::path& file, const PenOptions& op
   StrokeCommand command;
   const Framing framing{
       .width = width, .height = height, .fill = options.fill != 0 ? options.fill : kDefaultFill};
-  command.stroke.camera = frameSphere(options.base.center, options.base.radius, framing);
+  command.stroke.camera = frameSphere(options.base.ball().center, options.base.ball().radius, framing);
   command.brush.radius = options.radius != 0 ? options.radius : kDefaultRadius * box.halfDiagonal();
+  command.brush.trace = options.trace;
+  command.brush.tip = options.tip;
   validate(command.stroke.camera, "options: camera");
   validate(command.brush, "options: brush");
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 
 #include "sculpt/stroke_log.h"
 
@@ -15,8 +16,10 @@ enum class PenMode : std::uint8_t {
 };  ///< Alternate: add, carve, add, ... stroke by stroke
 
 struct PenOptions {
-  implicit::Sphere base;  ///< the shape that is drawn on
+  implicit::Shape base;  ///< the shape that is drawn on
   PenMode mode = PenMode::Add;
+  Trace trace = Trace::Stamps;                       ///< of the brush
+  std::shared_ptr<const implicit::Volume> tip = {};  ///< of the brush; null: a ball
   /// Of the brush, model units, > 0; 0 takes kDefaultRadius of the half diagonal of the base's bounding box.
   float radius = 0;
   float density = 0;  ///< of the header, samples per square model unit, > 0; 0 takes densityFor(base)

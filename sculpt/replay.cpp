@@ -39,10 +39,11 @@ History historyOf(const StrokeLog& log, const std::string& file) {
       NodeResult result;
       if (const auto* stroke = std::get_if<StrokeCommand>(&command)) {
         if (stroke->outcome)
-          result = {.stamps = static_cast<std::uint32_t>(stroke->outcome->stamps.size()),
-                    .misses = static_cast<std::uint32_t>(stroke->outcome->misses)};
+          result = {
+              .stamps = static_cast<std::uint32_t>(primitivesOf(*stroke->outcome, stroke->brush).size()),
+              .misses = static_cast<std::uint32_t>(stroke->outcome->misses)};
       } else {
-        result.stamps = static_cast<std::uint32_t>(std::get<FixedCommand>(command).stamps.size());
+        result.stamps = static_cast<std::uint32_t>(std::get<FixedCommand>(command).size());
       }
       history.add(command, result);
     }

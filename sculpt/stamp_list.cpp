@@ -84,11 +84,9 @@ long long countOf(Lines& lines, std::string_view word, std::string_view rule) {
 
 }  // namespace
 
-float densityFor(const implicit::Sphere& base) {
+float densityFor(const implicit::Shape& base) {
   constexpr double kSamples = 100'000;
-  constexpr double kPi = 3.141592653589793;
-  const double exact =
-      kSamples / (4 * kPi * static_cast<double>(base.radius) * static_cast<double>(base.radius));
+  const double exact = kSamples / areaOf(base);
   double unit = 1;
   while (exact >= 100 * unit) unit *= 10;
   while (exact < 10 * unit) unit /= 10;

@@ -14,6 +14,6 @@ namespace restroke::sculpt {
 [[nodiscard]] StrokeLog parseStampList(std::string_view text, std::string_view file);
 
 /// Samples per square model unit that give a base about 100,000 of them, with two significant digits.
-[[nodiscard]] float densityFor(const implicit::Sphere& base);
+[[nodiscard]] float densityFor(const implicit::Shape& base);
 
 }  // namespace restroke::sculpt

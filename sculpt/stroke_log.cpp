@@ -20,7 +20,8 @@ namespace restroke::sculpt {
 
 namespace {
 
-StrokeLog parseLog(std::string_view text, const std::string& file) {
+StrokeLog parseLog(std::string_view text, const std::filesystem::path& path) {
+  const std::string file = path.string();
   StrokeLog log;
   log.bytes = text.size();
   const std::size_t complete = text.rfind('\n') == std::string_view::npos ? 0 : text.rfind('\n') + 1;
@@ -33,13 +34,13 @@ StrokeLog parseLog(std::string_view text, const std::string& file) {
         fmt::format("{}:{}: the last line is torn (no newline at its end) and was dropped", file, line);
   }
   TextOrigin origin{file, 1};
-  LineContext context;
+  LineContext context{.folder = path.parent_path()};
   for (std::size_t begin = 0; begin < complete; ++origin.line) {
     const std::size_t end = text.find('\n', begin);
     const std::string_view line = text.substr(begin, end - begin);
     begin = end + 1;
     if (origin.line == 1) {
-      log.header = parseHeader(line, origin);
+      log.header = parseHeader(line, origin, context.folder);
     } else {
       log.commands.push_back(parseCommand(line, origin, context));
       log.lines.push_back(origin.line);
@@ -114,19 +115,19 @@ class Appending {
 
 StrokeLog readLog(const std::filesystem::path& file) {
   const std::string text = readTextFile(file);
-  if (!text.empty() && text.front() == '{') return parseLog(text, file.string());
+  if (!text.empty() && text.front() == '{') return parseLog(text, file);
   return parseStampList(text, file.string());
 }
 
 void writeLog(const std::filesystem::path& file, const StrokeLog& log) {
-  std::string text = formatHeader(log.header) + "\n";
-  LineContext context;
+  LineContext context{.folder = file.parent_path()};
+  std::string text = formatHeader(log.header, context.folder) + "\n";
   for (const Command& command : log.commands) text += formatCommand(command, context) + "\n";
   writeFileAtomically(file, std::string_view(text));
 }
 
 void appendToLog(const std::filesystem::path& file, const Command& command) {
-  LineContext complete;  // empty: the line says everything
+  LineContext complete{.folder = file.parent_path()};  // otherwise empty: the line says everything
   const Appending log(file);
   log.append(formatCommand(command, complete) + "\n");
 }

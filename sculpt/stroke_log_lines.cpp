@@ -8,6 +8,7 @@
 
 #include "implicit/errors.h"
 #include "sculpt/document.h"
+#include "sculpt/shape_text.h"
 #include "sculpt/stroke_log.h"
 
 namespace restroke::sculpt {
@@ -58,17 +59,36 @@ void putCamera(std::string& out, const Camera& camera) {
                  formatFloat(camera.far));
 }
 
-void putBrush(std::string& out, const Brush& brush) {
+void putBrush(std::string& out, const Brush& brush, const std::filesystem::path& folder) {
   fmt::format_to(std::back_inserter(out),
-                 "\"brush\":{{\"radius\":{},\"spacing\":{},\"pressureToRadius\":{},\"mode\":\"{}\"}},",
+                 "\"brush\":{{\"radius\":{},\"spacing\":{},\"pressureToRadius\":{},\"mode\":\"{}\"",
                  formatFloat(brush.radius), formatFloat(brush.spacing), formatFloat(brush.pressureToRadius),
                  nameOf(brush.mode));
+  if (brush.trace == Trace::Sweep) out += ",\"trace\":\"sweep\"";
+  if (brush.tip) fmt::format_to(std::back_inserter(out), ",\"tip\":{}", formatVolume(*brush.tip, folder));
+  out += "},";
+}
+
+// [x, y, z, radius], and behind it what the brush has more of: of a sweep 1 when joined, of a tip its
+// rotation.
+void putStamps(std::string& out, const std::vector<Stamp>& stamps, const Brush& brush) {
+  out += "\"stamps\":[";
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    const Stamp& s = stamps[i];
+    fmt::format_to(std::back_inserter(out), "{}[{},{},{},{}", i == 0 ? "" : ",", formatFloat(s.center.x),
+                   formatFloat(s.center.y), formatFloat(s.center.z), formatFloat(s.radius));
+    if (brush.trace == Trace::Sweep) out += s.joined ? ",1" : ",0";
+    if (brush.tip)
+      for (const float q : s.rotation) fmt::format_to(std::back_inserter(out), ",{}", formatFloat(q));
+    out += ']';
+  }
+  out += ']';
 }
 
 std::string formatStroke(const StrokeCommand& command, LineContext& context) {
   std::string out = "{\"stroke\":{";
   if (context.camera != command.stroke.camera) putCamera(out, command.stroke.camera);
-  if (context.brush != command.brush) putBrush(out, command.brush);
+  if (context.brush != command.brush) putBrush(out, command.brush, context.folder);
   context.camera = command.stroke.camera;
   context.brush = command.brush;
   fmt::format_to(std::back_inserter(out), "\"method\":\"{}\",\"points\":[", retarget::nameOf(command.method));
@@ -82,10 +102,7 @@ std::string formatStroke(const StrokeCommand& command, LineContext& context) {
   if (command.outcome) {
     fmt::format_to(std::back_inserter(out), ",\"outcome\":{{\"misses\":{},\"pieces\":{},",
                    command.outcome->misses, command.outcome->pieces);
-    std::vector<implicit::Sphere> spheres;
-    spheres.reserve(command.outcome->stamps.size());
-    for (const implicit::Primitive& stamp : command.outcome->stamps) spheres.push_back(stamp.shape.ball());
-    putSpheres(out, "stamps", spheres);
+    putStamps(out, command.outcome->stamps, command.brush);
     out += '}';
   }
   return out + "}}";
@@ -132,12 +149,43 @@ Camera cameraOf(const JsonField& field) {
   return camera;
 }
 
-Brush brushOf(const JsonField& field) {
-  field.requireKeysAmong({"radius", "spacing", "pressureToRadius", "mode"});
-  return {.radius = field.member("radius").number32(kRadius),
-          .spacing = field.member("spacing").number32(kNumber),
-          .pressureToRadius = field.member("pressureToRadius").number32(kNumber),
-          .mode = modeOf(field.member("mode"))};
+Brush brushOf(const JsonField& field, const std::filesystem::path& folder) {
+  field.requireKeysAmong({"radius", "spacing", "pressureToRadius", "mode", "trace", "tip"});
+  Brush brush{.radius = field.member("radius").number32(kRadius),
+              .spacing = field.member("spacing").number32(kNumber),
+              .pressureToRadius = field.member("pressureToRadius").number32(kNumber),
+              .mode = modeOf(field.member("mode"))};
+  if (field.has("trace")) {
+    const JsonField trace = field.member("trace");
+    if (trace.value() != "stamps" && trace.value() != "sweep") trace.refuse("\"stamps\" or \"sweep\"");
+    brush.trace = trace.value() == "sweep" ? Trace::Sweep : Trace::Stamps;
+  }
+  if (field.has("tip")) brush.tip = volumeOf(field.member("tip"), folder);
+  return brush;
+}
+
+std::vector<Stamp> stampsOf(const JsonField& field, const Brush& brush) {
+  const std::size_t columns = brush.trace == Trace::Sweep ? 5 : brush.tip ? 8 : 4;
+  std::vector<Stamp> stamps(field.arraySize());
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    const JsonField row = field.element(i);
+    if (row.arraySize() != columns)
+      row.refuse(columns == 4   ? "an array [x, y, z, radius]"
+                 : columns == 5 ? "an array [x, y, z, radius, joined]"
+                                : "an array [x, y, z, radius, and the rotation's quaternion]");
+    Stamp& stamp = stamps[i];
+    stamp.center = {row.element(0).number32(kCoordinate), row.element(1).number32(kCoordinate),
+                    row.element(2).number32(kCoordinate)};
+    stamp.radius = row.element(3).number32(kRadius);
+    if (columns == 5) {
+      constexpr NumberRange kFlag{0, 1, "0, or 1 for a stamp that the ball came to from the one before"};
+      stamp.joined = row.element(4).integer(kFlag) == 1;
+      if (stamp.joined && i == 0) row.element(4).refuse("0, since no stamp comes before");
+    }
+    if (columns == 8)
+      for (std::size_t k = 0; k < 4; ++k) stamp.rotation[k] = row.element(4 + k).number32(kNumber);
+  }
+  return stamps;
 }
 
 std::vector<retarget::StrokePoint> pointsOf(const JsonField& field) {
@@ -175,7 +223,7 @@ StrokeCommand strokeOf(const JsonField& field, LineContext& context) {
     command.stroke.camera = *context.camera;
   }
   if (field.has("brush")) {
-    command.brush = brushOf(field.member("brush"));
+    command.brush = brushOf(field.member("brush"), context.folder);
   } else {
     if (!context.brush)
       throw InputError(fmt::format("{}: stroke.brush is missing, but the first stroke of a log must have one",
@@ -203,9 +251,7 @@ StrokeCommand strokeOf(const JsonField& field, LineContext& context) {
     outcome.pieces = static_cast<std::size_t>(recorded.member("pieces").integer(kCount));
     if (outcome.misses > command.stroke.points.size())
       recorded.member("misses").refuse("at most the number of points");
-    const auto sign = command.brush.mode == Mode::Add ? implicit::Sign::Positive : implicit::Sign::Negative;
-    for (const implicit::Sphere& sphere : spheresOf(recorded.member("stamps")))
-      outcome.stamps.push_back({sphere, sign});
+    outcome.stamps = stampsOf(recorded.member("stamps"), command.brush);
     command.outcome = std::move(outcome);
   }
   const std::string where = field.where() + ": stroke";
@@ -234,12 +280,10 @@ std::string formatFloat(float value) {
   return text;
 }
 
-std::string formatHeader(const LogHeader& header) {
-  std::string out = fmt::format(
-      "{{\"restroke\":{},\"unit\":\"{}\",\"density\":{},\"grid\":{},\"base\":{{\"sphere\":{{\"center\":",
-      kLogVersion, header.unit, formatFloat(header.density), formatFloat(header.grid));
-  putVec(out, header.base.center);
-  return out + fmt::format(",\"radius\":{}}}}}}}", formatFloat(header.base.radius));
+std::string formatHeader(const LogHeader& header, const std::filesystem::path& folder) {
+  return fmt::format("{{\"restroke\":{},\"unit\":\"{}\",\"density\":{},\"grid\":{},\"base\":{}}}",
+                     kLogVersion, header.unit, formatFloat(header.density), formatFloat(header.grid),
+                     formatShape(header.base, folder));
 }
 
 std::string formatCommand(const Command& command, LineContext& context) {
@@ -247,12 +291,20 @@ std::string formatCommand(const Command& command, LineContext& context) {
   if (const auto* fixed = std::get_if<FixedCommand>(&command)) {
     std::string out = fmt::format("{{\"fixed\":{{\"mode\":\"{}\",", nameOf(fixed->mode));
     putSpheres(out, "stamps", fixed->stamps);
-    return out + "}}";
+    if (!fixed->shapes.empty()) {
+      out += ",\"shapes\":[";
+      for (std::size_t i = 0; i < fixed->shapes.size(); ++i)
+        fmt::format_to(std::back_inserter(out), "{}{}", i == 0 ? "" : ",",
+                       formatShape(fixed->shapes[i], context.folder));
+      out += ']';
+    }
+    out += "}}";
+    return out;
   }
   return std::holds_alternative<UndoCommand>(command) ? "{\"undo\":{}}" : "{\"redo\":{}}";
 }
 
-LogHeader parseHeader(std::string_view line, const TextOrigin& origin) {
+LogHeader parseHeader(std::string_view line, const TextOrigin& origin, const std::filesystem::path& folder) {
   const json text = parseJson(line, origin);
   const JsonField field(text, whereOf(origin));
   if (!field.has("restroke"))
@@ -272,12 +324,7 @@ LogHeader parseHeader(std::string_view line, const TextOrigin& origin) {
   header.unit = field.member("unit").string();
   header.density = field.member("density").number32(kPositive);
   header.grid = field.member("grid").number32(kPositive);
-  const JsonField base = field.member("base");
-  base.requireKeysAmong({"sphere"});
-  const JsonField sphere = base.member("sphere");
-  sphere.requireKeysAmong({"center", "radius"});
-  header.base.center = vecOf(sphere.member("center"), kCoordinate);
-  header.base.radius = sphere.member("radius").number32(kRadius);
+  header.base = shapeOf(field.member("base"), folder);
   validate(header, whereOf(origin));
   return header;
 }
@@ -290,8 +337,14 @@ Command parseCommand(std::string_view line, const TextOrigin& origin, LineContex
   if (field.has("stroke")) return strokeOf(field.member("stroke"), context);
   if (field.has("fixed")) {
     const JsonField fixed = field.member("fixed");
-    fixed.requireKeysAmong({"mode", "stamps"});
-    return FixedCommand{modeOf(fixed.member("mode")), spheresOf(fixed.member("stamps"))};
+    fixed.requireKeysAmong({"mode", "stamps", "shapes"});
+    FixedCommand command{modeOf(fixed.member("mode")), spheresOf(fixed.member("stamps"))};
+    if (fixed.has("shapes")) {
+      const JsonField shapes = fixed.member("shapes");
+      for (std::size_t i = 0; i < shapes.arraySize(); ++i)
+        command.shapes.push_back(shapeOf(shapes.element(i), context.folder));
+    }
+    return command;
   }
   const char* name = field.has("undo") ? "undo" : "redo";
   field.member(name).requireKeysAmong({});

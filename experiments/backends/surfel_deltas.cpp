@@ -22,6 +22,7 @@ struct Plain {
   static constexpr std::string_view kName = "surfel-deltas";
   static constexpr std::string_view kTitle = "Surfel deltas per stroke";
   static Held hold(SurfelDelta delta) { return delta; }
+  // NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): what is held outlives the call
   static const SurfelDelta& get(const Held& held) { return held; }
 };
 struct Packed {

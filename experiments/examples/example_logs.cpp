@@ -8,8 +8,9 @@ sculpt::StrokeLog exampleLog(std::string_view name) {
   if (name == "table2") return table2Log();
   if (name == "paper-scale") return paperScaleLog();
   if (name == "rabbit") return rabbitLog();
-  throw InputError(
-      fmt::format("example: no example is called '{}'; there are table2, paper-scale and rabbit", name));
+  if (name == "gallery") return galleryLog();
+  throw InputError(fmt::format(
+      "example: no example is called '{}'; there are table2, paper-scale, rabbit and gallery", name));
 }
 
 }  // namespace restroke::experiments

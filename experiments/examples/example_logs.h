@@ -20,7 +20,10 @@ namespace restroke::experiments {
 /// mouth and a nose (SPEC S9).
 [[nodiscard]] sculpt::StrokeLog rabbitLog();
 
-/// "table2", "paper-scale" or "rabbit". Throws InputError that lists the names.
+/// One of each kind of volume (SPEC S13) on a plate, and beside each the hollow that it carves.
+[[nodiscard]] sculpt::StrokeLog galleryLog();
+
+/// "table2", "paper-scale", "rabbit" or "gallery". Throws InputError that lists the names.
 [[nodiscard]] sculpt::StrokeLog exampleLog(std::string_view name);
 
 }  // namespace restroke::experiments

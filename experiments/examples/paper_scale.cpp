@@ -102,7 +102,7 @@ std::vector<std::array<double, 3>> petal(const Rosette& rosette, int which, doub
 sculpt::StrokeLog paperScaleLog(std::uint64_t seed) {
   sculpt::LogHeader header;
   header.density = 18400;
-  header.base = {.center = {0, 0, 0}, .radius = 1};
+  header.base = implicit::Sphere{.center = {0, 0, 0}, .radius = 1};
   Sculptor sculptor(header);
   Random random(seed);
   const std::vector<DVec3> from = directions();

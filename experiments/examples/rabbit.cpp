@@ -191,7 +191,7 @@ class Rabbit {
 sculpt::StrokeLog rabbitLog() {
   sculpt::LogHeader header;
   header.density = 12000;
-  header.base = {.center = {0, 0, 0}, .radius = 1};
+  header.base = implicit::Sphere{.center = {0, 0, 0}, .radius = 1};
   Rabbit rabbit(header);
   rabbit.foundation();
   rabbit.features();

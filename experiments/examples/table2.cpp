@@ -49,7 +49,7 @@ std::vector<Aim> smile() {
 
 sculpt::StrokeLog table2Log() {
   sculpt::LogHeader header;
-  header.base = {.center = {0, 0, 0}, .radius = 1};
+  header.base = implicit::Sphere{.center = {0, 0, 0}, .radius = 1};
   Sculptor sculptor(header);
   const Camera camera = cameraAt({0.5, 0.35, 4.6}, {0, 0, 0});
 

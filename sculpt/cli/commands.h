@@ -17,7 +17,8 @@ struct CommonOptions {
 struct ImportOptions {
   CommonOptions common;
   std::string source;  ///< pen strokes (JSON) or a stamp list
-  std::optional<std::string> base, mode;
+  std::optional<std::string> base, mode, tip, trace;
+  std::string repair;
   std::optional<float> radius, density, fill;
   std::string out;
 };
@@ -57,7 +58,7 @@ struct HistoryCommandOptions {
 struct RetargetOptions {
   CommonOptions common;
   std::string log;
-  std::string base, transform;
+  std::string base, transform, repair;
   std::string method = "exact";
   std::string out;
 };

@@ -26,9 +26,18 @@ sculpt::PenMode penModeNamed(const std::string& name) {
   throw InputError(fmt::format("--mode: \"{}\" must be add, carve or alternate", name));
 }
 
+sculpt::Trace traceNamed(const std::string& name) {
+  if (name == "stamps") return sculpt::Trace::Stamps;
+  if (name == "sweep") return sculpt::Trace::Sweep;
+  throw InputError(fmt::format("--trace: \"{}\" must be stamps or sweep", name));
+}
+
 sculpt::PenOptions penOptionsOf(const ImportOptions& options) {
   sculpt::PenOptions pen;
-  pen.base = baseNamed(options.base.value_or("sphere"));
+  const sculpt::Repair repair = repairNamed(options.repair);
+  pen.base = sculpt::shapeNamed(options.base.value_or("sphere"), repair, "--base");
+  pen.trace = traceNamed(options.trace.value_or("stamps"));
+  if (options.tip) pen.tip = sculpt::tipNamed(*options.tip, repair, "--tip");
   pen.mode = penModeNamed(options.mode.value_or("add"));
   if (options.radius) pen.radius = checkedSize("--radius", *options.radius);
   if (options.density) pen.density = checkedDensity(*options.density);
@@ -45,10 +54,10 @@ sculpt::StrokeLog readSource(const ImportOptions& options) {
   const std::string text = sculpt::readTextFile(options.source);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first != std::string::npos && text[first] == '{') return sculpt::readPenStrokes(options.source, pen);
-  if (options.base || options.mode || options.radius || options.fill)
+  if (options.base || options.mode || options.radius || options.fill || options.tip || options.trace)
     throw InputError(fmt::format(
         "{}: is not a JSON file; a stamp list brings its own base, signs and radii, and takes no --base, "
-        "--mode, --radius or --fill",
+        "--mode, --radius, --fill, --tip or --trace",
         options.source));
   sculpt::StrokeLog log = sculpt::readLog(options.source);
   overrideDensity(log, options.density);

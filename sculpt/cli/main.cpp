@@ -10,6 +10,7 @@
 
 #include "implicit/errors.h"
 #include "sculpt/cli/commands.h"
+#include "sculpt/shape_text.h"
 
 namespace {
 
@@ -39,13 +40,21 @@ void addCommon(CLI::App* command, CommonOptions& common) {
       ->type_name("N");
 }
 
+constexpr const char* kShapes =
+    "sphere (radius 1), sphere:x,y,z,r, KIND:NAME=NUMBER,... (restroke kinds lists them) or a mesh file";
+
 CLI::App* addImport(CLI::App& app, ImportOptions& o) {
   CLI::App* c = app.add_subcommand("import", "make a stroke log of pen strokes or of a stamp list");
   c->add_option("source", o.source, "pen strokes (JSON) or a stamp list")->required();
-  c->add_option("--base", o.base, "what is drawn on: sphere (radius 1) or sphere:x,y,z,r");
+  c->add_option("--base", o.base, std::string("what is drawn on: ") + kShapes);
   c->add_option("--radius", o.radius,
                 "brush radius in model units; default 0.05 of the base's half diagonal");
   c->add_option("--mode", o.mode, "add (default), carve or alternate");
+  c->add_option("--tip", o.tip,
+                "the brush's tip, in brush radii: ball (default), KIND:NAME=NUMBER,... or a mesh file");
+  c->add_option("--trace", o.trace,
+                "stamps (default), or sweep: round cones from bend to bend in place of many balls");
+  c->add_option("--repair", o.repair, "winding: what to make of a mesh that is no boundary of a solid");
   c->add_option("--density", o.density, "samples per square model unit; default about 100,000 on the base");
   c->add_option("--fill", o.fill,
                 "how much of the drawing's shorter side the base's silhouette spans, default 1.25");
@@ -100,7 +109,8 @@ CLI::App* addHistory(CLI::App& app, HistoryCommandOptions& o) {
 CLI::App* addRetarget(CLI::App& app, RetargetOptions& o) {
   CLI::App* c = app.add_subcommand("retarget", "cast a log's strokes anew, also onto another base");
   c->add_option("log", o.log, "stroke log")->required();
-  c->add_option("--base", o.base, "sphere (radius 1) or sphere:x,y,z,r, in place of the log's base");
+  c->add_option("--base", o.base, std::string("in place of the log's base: ") + kShapes);
+  c->add_option("--repair", o.repair, "winding: what to make of a mesh that is no boundary of a solid");
   c->add_option("--transform", o.transform,
                 "of the base: \"translate x y z; rotate ax ay az degrees; scale s\", left to right");
   c->add_option("--method", o.method, "exact (default), embree, depth or depth-cpu");
@@ -119,6 +129,7 @@ int runProgram(int argc, char** argv) {
   const CLI::App* exporting = addExport(app, options.exporting);
   const CLI::App* history = addHistory(app, options.history);
   const CLI::App* retarget = addRetarget(app, options.retarget);
+  const CLI::App* kinds = app.add_subcommand("kinds", "list the kinds of volume that bases and tips may be");
   // For the list of commands only: main hands its arguments on before anything is parsed.
   app.add_subcommand("experiment", "measure: memory, ... (starts restroke-experiment)");
   try {
@@ -134,6 +145,11 @@ int runProgram(int argc, char** argv) {
   if (*exporting) return runExport(options.exporting);
   if (*history) return runHistory(options.history);
   if (*retarget) return runRetarget(options.retarget);
+  if (*kinds) {
+    fmt::print("{:<18}a ball about any point; its radius is the base's or the brush's\n{}", "sphere",
+               sculpt::describeKinds());
+    return 0;
+  }
   throw InternalError("a subcommand that does nothing");
 }
 

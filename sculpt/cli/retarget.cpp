@@ -20,7 +20,8 @@ int runRetarget(const RetargetOptions& options) {
   const Execution execution = executionOf(options.common);
   sculpt::StrokeLog log = readLogNoting(options.log);
   refuseStampList(log, options.log, "retarget");
-  if (!options.base.empty()) log.header.base = baseNamed(options.base);
+  if (!options.base.empty())
+    log.header.base = sculpt::shapeNamed(options.base, repairNamed(options.repair), "--base");
   log.header.base = transformed(log.header.base, options.transform);
   for (sculpt::Command& command : log.commands) {
     auto* stroke = std::get_if<sculpt::StrokeCommand>(&command);

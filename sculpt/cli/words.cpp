@@ -36,13 +36,6 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(' ') - begin + 1);
 }
 
-implicit::Sphere checked(const implicit::Sphere& sphere, std::string_view where) {
-  sculpt::LogHeader header;
-  header.base = sphere;
-  sculpt::validate(header, std::string(where));
-  return sphere;
-}
-
 // Rodrigues' formula. Only here do sine and cosine decide anything; the log holds what came of it.
 DVec3 rotated(DVec3 p, DVec3 axis, double degrees) {
   constexpr double kDegree = 3.141592653589793 / 180;
@@ -53,24 +46,77 @@ DVec3 rotated(DVec3 p, DVec3 axis, double degrees) {
 
 }  // namespace
 
-implicit::Sphere baseNamed(std::string_view text) {
-  if (text == "sphere") return {};
-  constexpr std::string_view kPrefix = "sphere:";
-  if (!text.starts_with(kPrefix))
-    throw InputError(fmt::format(
-        "--base: \"{}\" is not a base that this version reads, but must be sphere or sphere:x,y,z,r", text));
-  const auto numbers = numbersIn(text.substr(kPrefix.size()), ',');
-  if (!numbers || numbers->size() != 4)
-    throw InputError(fmt::format("--base: \"{}\" must have four numbers behind sphere: (x,y,z,r)", text));
-  const std::vector<double>& n = *numbers;
-  return checked({{static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])},
-                  static_cast<float>(n[3])},
-                 "--base");
+namespace {
+
+// A base on its way through a transform, in double.
+struct Moving {
+  DVec3 position{0};
+  std::array<double, 4> rotation{0, 0, 0, 1};
+  double scale = 1;
+  std::shared_ptr<const implicit::Volume> volume;  // null: a sphere, whose radius is `scale`
+
+  [[nodiscard]] implicit::Shape shape() const {
+    if (!volume) {
+      const implicit::Shape sphere(Point(position), static_cast<float>(scale));
+      validate(implicit::Primitive{sphere, implicit::Sign::Positive});
+      return sphere;
+    }
+    implicit::Pose pose{.position = Point(position), .scale = static_cast<float>(scale)};
+    for (std::size_t i = 0; i < 4; ++i) pose.rotation[i] = static_cast<float>(rotation[i]);
+    return std::make_shared<const implicit::PosedVolume>(volume, pose);
+  }
+};
+
+Moving movingOf(const implicit::Shape& base) {
+  Moving moving;
+  if (base.isSphere()) {
+    moving.position = DVec3(base.ball().center);
+    moving.scale = static_cast<double>(base.ball().radius);
+    return moving;
+  }
+  const implicit::Pose& pose = base.volume()->pose();
+  moving.position = DVec3(pose.position);
+  moving.scale = static_cast<double>(pose.scale);
+  for (std::size_t i = 0; i < 4; ++i) moving.rotation[i] = static_cast<double>(pose.rotation[i]);
+  moving.volume = base.volume()->sharedVolume();
+  return moving;
 }
 
-implicit::Sphere transformed(const implicit::Sphere& base, std::string_view transform) {
-  DVec3 center(base.center);
-  double radius = static_cast<double>(base.radius);
+void rotate(Moving& moving, DVec3 axis, double degrees) {
+  moving.position = rotated(moving.position, axis, degrees);
+  const double half = degrees * 3.141592653589793 / 360, s = std::sin(half), w = std::cos(half);
+  const DVec3 v = normalized(axis) * s, u(moving.rotation[0], moving.rotation[1], moving.rotation[2]);
+  const double uw = moving.rotation[3];
+  const DVec3 product = w * u + uw * v + cross(v, u);
+  moving.rotation = {product.x, product.y, product.z, w * uw - dot(v, u)};
+}
+
+void stretch(Moving& moving, DVec3 factors, std::string_view part) {
+  if (!(factors.x > 0 && factors.y > 0 && factors.z > 0))
+    throw InputError(
+        fmt::format("--transform: \"{}\" scales by a factor that is not more than 0, but must", part));
+  moving.position = moving.position * factors;
+  if (factors.x == factors.y && factors.y == factors.z) {
+    moving.scale *= factors.x;
+  } else if (!moving.volume) {
+    const DVec3 axes = factors * moving.scale;
+    moving.volume =
+        implicit::volumeKindNamed("ellipsoid")
+            .make(
+                {{{static_cast<float>(axes.x)}, {static_cast<float>(axes.y)}, {static_cast<float>(axes.z)}}});
+    moving.scale = 1;
+  } else {
+    throw InputError(
+        fmt::format("--transform: \"{}\" scales a {} by different factors, but only a sphere (which "
+                    "becomes an ellipsoid) can be",
+                    part, moving.volume->kind().name));
+  }
+}
+
+}  // namespace
+
+implicit::Shape transformed(const implicit::Shape& base, std::string_view transform) {
+  Moving moving = movingOf(base);
   while (!transform.empty()) {
     const std::size_t end = transform.find(';');
     const std::string_view part = trimmed(transform.substr(0, end));
@@ -83,24 +129,16 @@ implicit::Sphere transformed(const implicit::Sphere& base, std::string_view tran
     const auto numbers = numbersIn(spaced, ' ');
     const std::size_t count = numbers ? numbers->size() : 0;
     if (verb == "translate" && count == 3) {
-      center += DVec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+      moving.position += DVec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
     } else if (verb == "rotate" && count == 4) {
       const DVec3 axis((*numbers)[0], (*numbers)[1], (*numbers)[2]);
       if (!(dot(axis, axis) > 0))
         throw InputError(fmt::format(
             "--transform: \"{}\" turns about an axis of length 0, but the axis must have a direction", part));
-      center = rotated(center, axis, (*numbers)[3]);
+      rotate(moving, axis, (*numbers)[3]);
     } else if (verb == "scale" && (count == 1 || count == 3)) {
       const double s = (*numbers)[0];
-      if (count == 3 && ((*numbers)[1] != s || (*numbers)[2] != s))
-        throw InputError(fmt::format(
-            "--transform: \"{}\" would make an ellipsoid of the sphere, but a base must stay a sphere",
-            part));
-      if (!(s > 0))
-        throw InputError(
-            fmt::format("--transform: \"{}\" scales by {}, but must scale by more than 0", part, s));
-      center *= s;
-      radius *= s;
+      stretch(moving, count == 3 ? DVec3(s, (*numbers)[1], (*numbers)[2]) : DVec3(s), part);
     } else {
       throw InputError(fmt::format(
           "--transform: \"{}\" is not understood, but parts must be translate x y z, rotate ax ay az degrees "
@@ -108,7 +146,17 @@ implicit::Sphere transformed(const implicit::Sphere& base, std::string_view tran
           part));
     }
   }
-  return checked({Point(center), static_cast<float>(radius)}, "--transform");
+  try {
+    return moving.shape();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("--transform: {}", error.what()));
+  }
+}
+
+sculpt::Repair repairNamed(std::string_view text) {
+  if (text.empty()) return sculpt::Repair::None;
+  if (text == "winding") return sculpt::Repair::Winding;
+  throw InputError(fmt::format("--repair: \"{}\" must be winding", text));
 }
 
 std::pair<std::uint32_t, std::uint32_t> sizeNamed(std::string_view text) {

@@ -8,19 +8,19 @@
 #include <utility>
 
 #include "implicit/geometry/camera.h"
-#include "implicit/shapes/sphere.h"
+#include "implicit/shape.h"
+#include "sculpt/shape_text.h"
 #include "sculpt/stroke_log.h"
 
 namespace restroke::cli {
 
-/// "sphere" (radius 1 around the origin) or "sphere:x,y,z,r". A file name is refused: mesh bases are not read
-/// yet.
-[[nodiscard]] implicit::Sphere baseNamed(std::string_view text);
-
-/// Carries out "translate x y z; rotate ax ay az degrees; scale s" on a sphere, from left to right, about the
+/// Carries out "translate x y z; rotate ax ay az degrees; scale s" on a base, from left to right, about the
 /// origin; each part may occur any number of times. Computed in double, rounded to float32 at the end. "scale
-/// sx sy sz" is understood, and refused unless the three are equal, since a sphere would not stay one.
-[[nodiscard]] implicit::Sphere transformed(const implicit::Sphere& base, std::string_view transform);
+/// sx sy sz" makes an ellipsoid of a sphere; other shapes are only scaled evenly.
+[[nodiscard]] implicit::Shape transformed(const implicit::Shape& base, std::string_view transform);
+
+/// What --repair says: "winding" or nothing.
+[[nodiscard]] sculpt::Repair repairNamed(std::string_view text);
 
 /// "WxH", each 1 to 65,536.
 [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> sizeNamed(std::string_view text);

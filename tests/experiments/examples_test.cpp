@@ -83,7 +83,7 @@ TEST(ShippedLogs, S9RabbitIsAFoundationThenAFace) {
 TEST(ShippedLogs, AreWhatTheProgramMakes) {
   const fs::path folder = fs::temp_directory_path() / ("restroke-examples-" + std::to_string(::getpid()));
   fs::create_directories(folder);
-  for (const char* name : {"table2", "paper-scale", "rabbit"}) {
+  for (const char* name : {"table2", "paper-scale", "rabbit", "gallery"}) {
     const fs::path made = folder / (std::string(name) + ".log");
     sculpt::writeLog(made, exampleLog(name));
     // Not EXPECT_EQ on the bytes: a difference would print a hundred kilobytes.

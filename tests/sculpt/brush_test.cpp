@@ -74,8 +74,7 @@ StrokeOutcome stamped(std::vector<StrokePoint> points, const Brush& brush,
 }
 
 double gap(const StrokeOutcome& outcome, std::size_t i) {
-  return length(DVec3(outcome.stamps[i + 1].shape.ball().center) -
-                DVec3(outcome.stamps[i].shape.ball().center));
+  return length(DVec3(outcome.stamps[i + 1].center) - DVec3(outcome.stamps[i].center));
 }
 
 TEST(Brush, StampsOnAPlaneAreEvenlySpaced) {
@@ -86,21 +85,24 @@ TEST(Brush, StampsOnAPlaneAreEvenlySpaced) {
   EXPECT_EQ(outcome.misses, 0u);
   for (std::size_t i = 0; i + 1 < outcome.stamps.size(); ++i)
     EXPECT_NEAR(gap(outcome, i), 0.0125, 2 * kRounding);
-  for (const auto& stamp : outcome.stamps) EXPECT_EQ(stamp.shape.ball().radius, 0.05f);
+  for (const auto& stamp : outcome.stamps) EXPECT_EQ(stamp.radius, 0.05f);
 }
 
 TEST(Brush, SignFollowsTheMode) {
-  for (const auto& stamp : stamped({pixel(600, 360), pixel(640, 360)}, {.mode = Mode::Add}).stamps)
-    EXPECT_EQ(stamp.sign, implicit::Sign::Positive);
-  for (const auto& stamp : stamped({pixel(600, 360), pixel(640, 360)}, {.mode = Mode::Carve}).stamps)
-    EXPECT_EQ(stamp.sign, implicit::Sign::Negative);
+  for (const Mode mode : {Mode::Add, Mode::Carve}) {
+    const Brush brush{.mode = mode};
+    const auto primitives = primitivesOf(stamped({pixel(600, 360), pixel(640, 360)}, brush), brush);
+    ASSERT_GT(primitives.size(), 3u);
+    for (const auto& primitive : primitives)
+      EXPECT_EQ(primitive.sign, mode == Mode::Add ? implicit::Sign::Positive : implicit::Sign::Negative);
+  }
 }
 
 TEST(Brush, OnePointMakesOneStamp) {
   const auto outcome = stamped({pixel(640, 360)}, {});
   ASSERT_EQ(outcome.stamps.size(), 1u);
   EXPECT_EQ(outcome.pieces, 1u);
-  EXPECT_EQ(outcome.stamps[0].shape.ball().center, Point(0));
+  EXPECT_EQ(outcome.stamps[0].center, Point(0));
 }
 
 TEST(Brush, EqualPointsMakeOneStampAndOneCast) {
@@ -163,7 +165,7 @@ TEST(Brush, TwoFarPointsFollowTheSurfaceBetweenThem) {
   ASSERT_GT(outcome.stamps.size(), 90u);
   const double chord = 0.0125;
   for (const auto& stamp : outcome.stamps)
-    EXPECT_NEAR(length(DVec3(stamp.shape.ball().center)), 1, chord * chord / 8 + kRounding + 1e-7);
+    EXPECT_NEAR(length(DVec3(stamp.center)), 1, chord * chord / 8 + kRounding + 1e-7);
 }
 
 TEST(Brush, WideSpacingStillFollowsTheSurface) {
@@ -171,7 +173,7 @@ TEST(Brush, WideSpacingStillFollowsTheSurface) {
       stamped({pixel(400, 300), pixel(880, 420)}, {.radius = 0.1f, .spacing = 4}, onUnitSphere);
   ASSERT_EQ(outcome.stamps.size(), 4u);
   for (const auto& stamp : outcome.stamps)
-    EXPECT_NEAR(length(DVec3(stamp.shape.ball().center)), 1, 0.05 * 0.05 / 8 + kRounding + 1e-7);
+    EXPECT_NEAR(length(DVec3(stamp.center)), 1, 0.05 * 0.05 / 8 + kRounding + 1e-7);
   for (std::size_t i = 0; i + 1 < outcome.stamps.size(); ++i) EXPECT_NEAR(gap(outcome, i), 0.4, 0.01);
 }
 
@@ -189,11 +191,10 @@ TEST(Brush, MissesSplitTheStrokeAndItsPiecesReachTheEdge) {
     while (last + 1 < outcome.stamps.size() && gap(outcome, last) < 2 * pitch) ++last;
     ASSERT_LT(last + 1, outcome.stamps.size());
     const double left = (600 - 640) * kPixel, right = (700 - 640) * kPixel;
-    EXPECT_LE(static_cast<double>(outcome.stamps[last].shape.ball().center.x), left + kRounding);
-    EXPECT_GT(static_cast<double>(outcome.stamps[last].shape.ball().center.x),
-              left - kPixel - pitch - kRounding);
-    EXPECT_GE(static_cast<double>(outcome.stamps[last + 1].shape.ball().center.x), right - kRounding);
-    EXPECT_LT(static_cast<double>(outcome.stamps[last + 1].shape.ball().center.x), right + kPixel + kRounding)
+    EXPECT_LE(static_cast<double>(outcome.stamps[last].center.x), left + kRounding);
+    EXPECT_GT(static_cast<double>(outcome.stamps[last].center.x), left - kPixel - pitch - kRounding);
+    EXPECT_GE(static_cast<double>(outcome.stamps[last + 1].center.x), right - kRounding);
+    EXPECT_LT(static_cast<double>(outcome.stamps[last + 1].center.x), right + kPixel + kRounding)
         << "a piece's first stamp stands where it begins";
   };
   const auto missed =
@@ -214,8 +215,7 @@ TEST(Brush, JumpInDepthSplitsTheStroke) {
   EXPECT_EQ(far.pieces, 2u);
   EXPECT_EQ(far.misses, 0u);
   for (const auto& stamp : far.stamps)
-    EXPECT_TRUE(stamp.shape.ball().center.z == 0 || stamp.shape.ball().center.z == -1)
-        << "no stamp hangs between the surfaces";
+    EXPECT_TRUE(stamp.center.z == 0 || stamp.center.z == -1) << "no stamp hangs between the surfaces";
   // A step that the brush spans is one surface to it.
   const auto low = stamped({pixel(600, 360), pixel(680, 360)}, {}, step(0.04));
   EXPECT_EQ(low.pieces, 1u);
@@ -237,14 +237,14 @@ TEST(Brush, PressureVariesRadiusAndSpacing) {
   const Brush brush{.radius = 0.05f, .spacing = 0.5f, .pressureToRadius = 1};
   const auto outcome = stamped({pixel(340, 360, 1023), pixel(940, 360, 0)}, brush);
   ASSERT_GT(outcome.stamps.size(), 50u);
-  EXPECT_EQ(outcome.stamps.front().shape.ball().radius, 0.05f);
-  EXPECT_NEAR(static_cast<double>(outcome.stamps.back().shape.ball().radius), 0.05 / 16, 1e-6)
+  EXPECT_EQ(outcome.stamps.front().radius, 0.05f);
+  EXPECT_NEAR(static_cast<double>(outcome.stamps.back().radius), 0.05 / 16, 1e-6)
       << "never below a sixteenth";
   for (std::size_t i = 0; i + 1 < outcome.stamps.size(); ++i) {
-    const auto radius = static_cast<double>(outcome.stamps[i].shape.ball().radius);
-    EXPECT_LE(outcome.stamps[i + 1].shape.ball().radius, outcome.stamps[i].shape.ball().radius);
+    const auto radius = static_cast<double>(outcome.stamps[i].radius);
+    EXPECT_LE(outcome.stamps[i + 1].radius, outcome.stamps[i].radius);
     EXPECT_NEAR(gap(outcome, i), 0.5 * radius, 2 * kRounding);
-    const double along = (static_cast<double>(outcome.stamps[i].shape.ball().center.x) + 1) / 2;
+    const double along = (static_cast<double>(outcome.stamps[i].center.x) + 1) / 2;
     EXPECT_NEAR(radius, 0.05 * std::max(1.0 / 16, 1 - along), 1e-4);
   }
 }
@@ -252,17 +252,14 @@ TEST(Brush, PressureVariesRadiusAndSpacing) {
 TEST(Brush, HalfTheEffectOfPressureMixesLinearly) {
   const auto outcome = stamped({pixel(640, 360, 0)}, {.radius = 0.5f, .pressureToRadius = 0.5f});
   ASSERT_EQ(outcome.stamps.size(), 1u);
-  EXPECT_EQ(outcome.stamps[0].shape.ball().radius, 0.25f);
-  EXPECT_EQ(stamped({pixel(640, 360, 0)}, {.radius = 0.5f}).stamps[0].shape.ball().radius, 0.5f);
+  EXPECT_EQ(outcome.stamps[0].radius, 0.25f);
+  EXPECT_EQ(stamped({pixel(640, 360, 0)}, {.radius = 0.5f}).stamps[0].radius, 0.5f);
 }
 
 TEST(Brush, CentresAreRoundedToTheGridHalfToEven) {
   const auto centreOf = [](DVec3 place, float grid) {
     FunctionCaster caster({}, [&](const Ray&, ScreenPoint) { return place; });
-    return stampsAlong({.camera = {}, .points = {pixel(0, 0)}}, {}, grid, caster)
-        .stamps.at(0)
-        .shape.ball()
-        .center;
+    return stampsAlong({.camera = {}, .points = {pixel(0, 0)}}, {}, grid, caster).stamps.at(0).center;
   };
   EXPECT_EQ(centreOf({0.125, 0.375, 0.625}, 0.25f), Point(0, 0.5, 0.5));
   EXPECT_EQ(centreOf({-0.125, -0.375, -0.625}, 0.25f), Point(0, -0.5, -0.5));
@@ -276,7 +273,7 @@ TEST(Brush, CentresAreRoundedToTheGridHalfToEven) {
 TEST(Brush, EveryCentreLiesOnTheGrid) {
   for (const auto& stamp : stamped({pixel(440, 300), pixel(840, 420)}, {}, onUnitSphere).stamps)
     for (int a = 0; a < 3; ++a) {
-      const float cells = stamp.shape.ball().center[a] / kGrid;
+      const float cells = stamp.center[a] / kGrid;
       EXPECT_EQ(cells, std::nearbyint(cells));
     }
 }

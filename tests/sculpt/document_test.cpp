@@ -189,8 +189,8 @@ TEST(Document, RefusesHeadersOutOfRange) {
   refused([](LogHeader& h) { h.density = 0; });
   refused([](LogHeader& h) { h.grid = 0.3f; });
   refused([](LogHeader& h) { h.unit = "inch"; });
-  refused([](LogHeader& h) { h.base.radius = -1; });
-  refused([](LogHeader& h) { h.base.center.x = 1e9f; });
+  refused([](LogHeader& h) { h.base = implicit::Sphere{{}, -1}; });
+  refused([](LogHeader& h) { h.base = implicit::Sphere{{1e9f, 0, 0}, 1}; });
 }
 
 TEST(Replay, NamesTheLineOfACommandThatCannotBeCarriedOut) {

@@ -40,7 +40,7 @@ TEST(History, GivesBackEveryCommandEqualInEveryField) {
   commands.emplace_back(line(5, Mode::Carve));
   StrokeCommand recorded = line(-7);
   recorded.method = retarget::Method::Embree;
-  recorded.outcome = StrokeOutcome{{{{{0.1f, -0.0f, 1}, 0.3f}, implicit::Sign::Positive}}, 300, 2};
+  recorded.outcome = StrokeOutcome{{Stamp{.center = {0.1f, -0.0f, 1}, .radius = 0.3f}}, 300, 2};
   commands.emplace_back(recorded);
   recorded.outcome = StrokeOutcome{{}, 21, 0};
   commands.emplace_back(recorded);

@@ -24,12 +24,12 @@ const char* const kStroke =
 
 StrokeLog sampleLog() {
   StrokeLog log{.header = coarseHeader(), .commands = {}};
-  log.header.base = {{0.1f, -0.0f, 1e-30f}, 0.7f};
+  log.header.base = implicit::Sphere{{0.1f, -0.0f, 1e-30f}, 0.7f};
   log.commands = {line(0), line(3), line(3, Mode::Carve), UndoCommand{}, UndoCommand{}, RedoCommand{}};
   StrokeCommand recorded = line(1);
   recorded.stroke.camera.far = 33.3f;
   recorded.method = retarget::Method::Embree;
-  recorded.outcome = StrokeOutcome{{{{{0.1f, -0.0f, 1.0f / 3}, 0.3f}, implicit::Sign::Positive}}, 5, 2};
+  recorded.outcome = StrokeOutcome{{Stamp{.center = {0.1f, -0.0f, 1.0f / 3}, .radius = 0.3f}}, 5, 2};
   log.commands.emplace_back(recorded);
   log.commands.emplace_back(FixedCommand{Mode::Carve, {{{1e-9f, -2, 3}, 0.125f}}});
   return log;
@@ -62,7 +62,7 @@ TEST(StrokeLog, ComesBackEqualInEveryField) {
   EXPECT_FALSE(read.stampList);
   EXPECT_EQ(read.commands.size(), log.commands.size());
   EXPECT_EQ(linesOf(read), linesOf(log));
-  EXPECT_TRUE(std::signbit(read.header.base.center.y));
+  EXPECT_TRUE(std::signbit(read.header.base.ball().center.y));
   EXPECT_EQ(read.lines.front(), 2u);
   EXPECT_EQ(read.bytes, textOf(folder / "a.log").size());
   writeLog(folder / "b.log", read);
@@ -206,7 +206,7 @@ TEST(StrokeLog, EveryBrokenRuleIsNamedWithItsLine) {
       {"1.5258789e-05", "0.001", "power of two"},
       {"\"radius\":1", "\"radius\":0", "base.sphere.radius is 0"},
       {"[0,0,0]", "[0,0,2e6]", "base.sphere.center[2] is 2000000"},
-      {"\"sphere\"", "\"cube\"", "\"cube\" is not a known key"},
+      {"\"sphere\"", "\"cube\"", "base: there is no kind of volume \"cube\""},
   };
   for (const Case& c : headers) {
     const std::string says = sentence(replaced(kHeader, c.from, c.to) + "\n");
