@@ -12,9 +12,16 @@ namespace restroke::implicit {
 
 std::span<const VolumeKind* const> volumeKinds() {
   // The one place where a new kind is listed. Their order is that of the gallery.
-  static const std::array all = {&roundConeKind(),      &ellipsoidKind(),        &boxKind(),
-                                 &cylinderKind(),       &coneFrustumKind(),      &torusKind(),
-                                 &superellipsoidKind(), &convexPolyhedronKind(), &revolutionKind()};
+  static const std::array all = {&roundConeKind(),
+                                 &ellipsoidKind(),
+                                 &boxKind(),
+                                 &cylinderKind(),
+                                 &coneFrustumKind(),
+                                 &torusKind(),
+                                 &superellipsoidKind(),
+                                 &convexPolyhedronKind(),
+                                 &revolutionKind(),
+                                 &meshKind()};
   return all;
 }
 

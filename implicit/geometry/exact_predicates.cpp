@@ -17,6 +17,9 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 Kernel::Point_3 exact(Point p) {
   return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
 }
+Kernel::Point_3 exact(DVec3 p) {
+  return {p.x, p.y, p.z};
+}
 Kernel::Triangle_3 exact(const Triangle& t) {
   return {exact(t[0]), exact(t[1]), exact(t[2])};
 }
@@ -24,11 +27,9 @@ Kernel::Triangle_3 exact(const Triangle& t) {
 /// Side of p with respect to the line from a to b, all seen along -x (y to the right, z up): +1 left, -1
 /// right. Where p is on the line, the side of p + (e, e^2) for an e > 0 as small as need be; 0 only when a
 /// and b are seen in the same place.
-int perturbedSideOfLine(Point a, Point b, Point p) {
-  const auto seen = [](Point q) {
-    return Kernel::Point_2(static_cast<double>(q.y), static_cast<double>(q.z));
-  };
-  if (const auto side = CGAL::orientation(seen(a), seen(b), seen(p)); side != CGAL::COLLINEAR)
+int perturbedSideOfLine(Point a, Point b, DVec3 p) {
+  const auto seen = [](DVec3 q) { return Kernel::Point_2(q.y, q.z); };
+  if (const auto side = CGAL::orientation(seen(DVec3(a)), seen(DVec3(b)), seen(p)); side != CGAL::COLLINEAR)
     return static_cast<int>(side);
   if (a.z != b.z) return a.z > b.z ? 1 : -1;
   return a.y == b.y ? 0 : a.y < b.y ? 1 : -1;
@@ -36,18 +37,22 @@ int perturbedSideOfLine(Point a, Point b, Point p) {
 
 }  // namespace
 
-int sideOfPlane(const Triangle& triangle, Point p) {
+int sideOfPlane(const Triangle& triangle, DVec3 p) {
   return static_cast<int>(
       CGAL::orientation(exact(triangle[0]), exact(triangle[1]), exact(triangle[2]), exact(p)));
 }
 
-int crossingOf(const Triangle& t, Point p) {
+int crossingOf(const Triangle& t, DVec3 p) {
   // The triangle seen along -x runs counter-clockwise (+1) when its normal points towards +x.
   const int seen = perturbedSideOfLine(t[0], t[1], p);
   if (seen == 0 || perturbedSideOfLine(t[1], t[2], p) != seen || perturbedSideOfLine(t[2], t[0], p) != seen)
     return 0;
   // The ray goes towards +x, so that p must be behind the one, before the other.
   return sideOfPlane(t, p) == -seen ? seen : 0;
+}
+
+bool isOn(const Triangle& t, DVec3 p) {
+  return sideOfPlane(t, p) == 0 && !areCollinear(t) && exact(t).has_on(exact(p));
 }
 
 bool areCollinear(const Triangle& triangle) {

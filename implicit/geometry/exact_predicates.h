@@ -1,5 +1,5 @@
 #pragma once
-// Questions about points with float32 coordinates, answered without rounding. The arithmetic is CGAL's
+// Questions about meshes with float32 coordinates, answered without rounding. The arithmetic is CGAL's
 // filtered kernel (LGPL): doubles where they are sure, exact numbers where not.
 
 #include <array>
@@ -15,14 +15,17 @@ using Segment = std::array<Point, 2>;
 /// Side of `p` with respect to the plane of a triangle: +1 where the normal (b - a) x (c - a) points to, -1
 /// behind it, 0 in the plane, and 0 everywhere when the triangle is degenerate. All coordinates must be
 /// finite. Exact.
-[[nodiscard]] int sideOfPlane(const Triangle& triangle, Point p);
+[[nodiscard]] int sideOfPlane(const Triangle& triangle, DVec3 p);
 
 /// How the ray from `p` towards +x passes through a triangle: +1 from behind to before it, -1 the other way,
 /// 0 when it does not. A ray through an edge or a vertex is decided as if `p` were moved by a distance
 /// smaller than any number in y, and by one smaller still in z, so that it passes through exactly one of the
 /// triangles that share the edge: the sum over a closed mesh is its winding number at `p`, wherever p is off
 /// the surface. A triangle that contains `p`, and a degenerate one, give 0. Exact.
-[[nodiscard]] int crossingOf(const Triangle& triangle, Point p);
+[[nodiscard]] int crossingOf(const Triangle& triangle, DVec3 p);
+
+/// Is the point in the triangle, its edges and corners included? Degenerate triangles have no points. Exact.
+[[nodiscard]] bool isOn(const Triangle& triangle, DVec3 p);
 
 /// Are three points on one line (two of them equal included)? Exact.
 [[nodiscard]] bool areCollinear(const Triangle& triangle);

@@ -14,5 +14,6 @@ namespace restroke::implicit {
 [[nodiscard]] const VolumeKind& superellipsoidKind();
 [[nodiscard]] const VolumeKind& convexPolyhedronKind();
 [[nodiscard]] const VolumeKind& revolutionKind();
+[[nodiscard]] const VolumeKind& meshKind();
 
 }  // namespace restroke::implicit

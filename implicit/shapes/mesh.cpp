@@ -1,0 +1,422 @@
+// The solid inside a closed triangle mesh. Side test: the triangles that a ray towards +x passes through,
+// counted with their sign by exact predicates (geometry/exact_predicates.h): candidates may be collected in
+// any way, and the side is the same bits everywhere. A coarse grid of distances to the surface answers for
+// points far from it.
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "implicit/errors.h"
+#include "implicit/geometry/exact_predicates.h"
+#include "implicit/geometry/mesh_faults.h"
+#include "implicit/geometry/triangle_tree.h"
+#include "implicit/parallel.h"
+#include "implicit/sampling/poisson.h"
+#include "implicit/shapes/kinds.h"
+#include "implicit/volume.h"
+
+namespace restroke::implicit {
+
+namespace {
+
+// Least cosine between the normals of triangles that count as one smooth face when samples are shared out.
+constexpr double kSmooth = 0.7;
+// Cells of the grid of distances along its longest side.
+constexpr int kLeastCells = 8, kMostCells = 48;
+
+double squaredDistance(DVec3 p, DVec3 a, DVec3 b, DVec3 c) {
+  // Ericson, "Real-time collision detection", 2005, section 5.1.5: by the region of the triangle that is
+  // nearest.
+  const DVec3 ab = b - a, ac = c - a, ap = p - a;
+  const auto square = [](DVec3 v) { return dot(v, v); };
+  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+  if (d1 <= 0 && d2 <= 0) return square(ap);
+  const DVec3 bp = p - b;
+  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+  if (d3 >= 0 && d4 <= d3) return square(bp);
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return square(ap - d1 / (d1 - d3) * ab);
+  const DVec3 cp = p - c;
+  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+  if (d6 >= 0 && d5 <= d6) return square(cp);
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return square(ap - d2 / (d2 - d6) * ac);
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+    return square(bp - (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b));
+  const double sum = va + vb + vc;
+  return square(ap - vb / sum * ab - vc / sum * ac);
+}
+
+double squaredDistance(const Box& box, DVec3 p) {
+  double sum = 0;
+  for (int a = 0; a < 3; ++a) {
+    const double d =
+        std::max({static_cast<double>(box.min[a]) - p[a], p[a] - static_cast<double>(box.max[a]), 0.0});
+    sum += d * d;
+  }
+  return sum;
+}
+
+class MeshVolume final : public VolumeOf<MeshVolume> {
+ public:
+  explicit MeshVolume(VolumeParameters parameters)
+      : VolumeOf(meshKind(), checked(std::move(parameters))),
+        mesh_(this->parameters().mesh->mesh),
+        tree_(mesh_) {
+    bounds_ = boundsOf(mesh_);
+    const DVec3 center(bounds_.center());
+    double radius = 0;
+    for (const auto& triangle : mesh_.triangles)
+      for (const std::uint32_t v : triangle)
+        radius = std::max(radius, length(DVec3(mesh_.vertices[v]) - center));
+    double area = 0;
+    normals_.reserve(mesh_.triangles.size());
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      const DVec3 n = cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0));
+      const double l = length(n);
+      area += l / 2;
+      normals_.push_back(n / l);
+    }
+    const Vec3 size = bounds_.max - bounds_.min;
+    setMeasures({.center = center,
+                 .radius = radius,
+                 .area = area,
+                 .volume = restroke::volumeOf(mesh_),
+                 .thickness = static_cast<double>(std::min({size.x, size.y, size.z}))});
+    makeGrid();
+  }
+
+  [[nodiscard]] bool inside(DVec3 p, double dilation) const {
+    const double c = clearance(p);
+    if (c > dilation) return false;
+    if (c < 0) return true;
+    if (encloses(p)) return true;
+    return dilation > 0 && distanceWithin(p, dilation) <= dilation;
+  }
+  /// By the grid: what the middle of p's cell knows, less the way there. 0 close to the surface.
+  [[nodiscard]] double clearance(DVec3 p) const override {
+    int cell[3];
+    double outside = 0;  // squared distance from the grid's box, which holds the mesh
+    for (int a = 0; a < 3; ++a) {
+      const double at = (p[a] - low_[a]) / cell_;
+      const double beyond = std::max({low_[a] - p[a], p[a] - (low_[a] + cells_[a] * cell_), 0.0});
+      outside += beyond * beyond;
+      cell[a] = static_cast<int>(std::clamp(at, 0.0, static_cast<double>(cells_[a] - 1)));
+    }
+    if (outside > 0) return std::sqrt(outside);
+    const double known = distances_[indexOf(cell[0], cell[1], cell[2])];
+    const double way = length(p - middleOf(cell[0], cell[1], cell[2]));
+    return known > 0 ? std::max(known - way, 0.0) : std::min(known + way, 0.0);
+  }
+  [[nodiscard]] DVec3 outwardNormal(DVec3 p) const override {
+    return normals_[nearest(p, std::numeric_limits<double>::max()).triangle];
+  }
+  /// Which triangles the ray passes through is decided by the signs of edges seen along the ray, in double
+  /// and the same for both triangles of an edge (Woop, Benthin, Wald, "Watertight ray/triangle intersection",
+  /// Journal of Computer Graphics Techniques 2, 2013), ties as if the ray were moved aside by less than any
+  /// number. Ends are exact to a few units in the last place of the coordinates.
+  void intersect(const Ray& ray, std::vector<RayInterval>& intervals) const override {
+    std::vector<double> crossings;
+    DVec3 origin = ray.origin;
+    for (int attempt = 0; attempt < 8; ++attempt) {
+      crossings.clear();
+      collect({origin, ray.direction}, crossings);
+      if (crossings.size() % 2 == 0) break;
+      // Rounding put an edge on different sides of the ray: a ray beside it.
+      const double aside = measures().radius * 0x1p-44 * (attempt + 1);
+      origin = ray.origin + DVec3(aside, -0.7 * aside, 0.4 * aside);
+    }
+    std::sort(crossings.begin(), crossings.end());
+    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
+      if (!intervals.empty() && i > 0 && crossings[i] <= intervals.back().exit)
+        intervals.back().exit = crossings[i + 1];  // it only passed from one piece to the next
+      else if (crossings[i] < crossings[i + 1])
+        intervals.push_back({crossings[i], crossings[i + 1]});
+    }
+  }
+  [[nodiscard]] double support(DVec3 direction) const override {
+    double most = -std::numeric_limits<double>::max();
+    for (const auto& triangle : mesh_.triangles)
+      for (const std::uint32_t v : triangle) most = std::max(most, dot(DVec3(mesh_.vertices[v]), direction));
+    return most;
+  }
+
+ protected:
+  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
+    const std::vector<std::uint32_t> regions = smoothRegions();
+    std::vector<SurfaceTriangle> triangles;
+    triangles.reserve(mesh_.triangles.size());
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
+      triangles.push_back({corner(t, 0), corner(t, 1), corner(t, 2), normals_[t], regions[t]});
+    return samplePoisson(triangles, count);
+  }
+  [[nodiscard]] std::size_t ownBytes() const override {
+    return distances_.capacity() * sizeof(float) + normals_.capacity() * sizeof(DVec3) +
+           mesh_.triangles.size() * (sizeof(Box) + sizeof(std::uint32_t)) +
+           tree_.nodes().size() * (sizeof(TriangleTree::Node) + sizeof(std::uint32_t));
+  }
+
+ private:
+  static VolumeParameters checked(VolumeParameters parameters) {
+    if (!parameters.mesh) throw InputError("a mesh lacks its triangles; it must name a file or have them");
+    const MeshFaults faults = faultsOf(parameters.mesh->mesh);
+    if (!faults.none())
+      throw InputError(
+          fmt::format("{} is no boundary of a solid: {}; every edge must be shared by two triangles that "
+                      "face out and meet nothing else (--repair winding makes a solid of it)",
+                      parameters.mesh->file.empty() ? "the mesh" : parameters.mesh->file, describe(faults)));
+    return parameters;
+  }
+  [[nodiscard]] DVec3 corner(std::uint32_t t, std::size_t k) const {
+    return DVec3(mesh_.vertices[mesh_.triangles[t][k]]);
+  }
+  [[nodiscard]] Triangle triangleAt(std::uint32_t t) const {
+    const auto& v = mesh_.triangles[t];
+    return {mesh_.vertices[v[0]], mesh_.vertices[v[1]], mesh_.vertices[v[2]]};
+  }
+
+  [[nodiscard]] bool encloses(DVec3 p) const {
+    // A box of float32 about the ray: widened by what p's rounding takes.
+    const auto wide = [](double a, float way) {
+      const auto f = static_cast<float>(a);
+      return std::nextafter(f, way * std::numeric_limits<float>::infinity());
+    };
+    const Box box{{wide(p.x, -1), wide(p.y, -1), wide(p.z, -1)},
+                  {std::numeric_limits<float>::max(), wide(p.y, 1), wide(p.z, 1)}};
+    int winding = 0;
+    bool on = false;
+    tree_.forEachTouching(box, [&](std::uint32_t t) {
+      const Triangle triangle = triangleAt(t);
+      winding += crossingOf(triangle, p);
+      on = on || (static_cast<double>(tree_.boxOf(t).min.x) <= p.x && isOn(triangle, p));
+    });
+    return winding != 0 || on;
+  }
+
+  struct Nearest {
+    std::uint32_t triangle = 0;
+    double squared = std::numeric_limits<double>::max();
+  };
+  // The nearest triangle, if one is nearer than `most`.
+  [[nodiscard]] Nearest nearest(DVec3 p, double most) const {
+    Nearest best;
+    if (most < 1e150) best.squared = most * most * (1 + 1e-12);
+    const auto nodes = tree_.nodes();
+    std::array<std::uint32_t, 128> stack;  // a tree that halves is at most 32 deep
+    std::size_t size = 0;
+    stack[size++] = 0;
+    while (size > 0) {
+      const std::uint32_t n = stack[--size];
+      const TriangleTree::Node& node = nodes[n];
+      if (squaredDistance(node.box, p) >= best.squared) continue;
+      if (node.right == 0) {
+        for (const std::uint32_t t : tree_.order().subspan(node.first, node.count)) {
+          const double d = squaredDistance(p, corner(t, 0), corner(t, 1), corner(t, 2));
+          if (d < best.squared) best = {t, d};
+        }
+        continue;
+      }
+      // The nearer child is looked at first.
+      const bool leftFirst =
+          squaredDistance(nodes[n + 1].box, p) <= squaredDistance(nodes[node.right].box, p);
+      stack[size++] = leftFirst ? node.right : n + 1;
+      stack[size++] = leftFirst ? n + 1 : node.right;
+    }
+    return best;
+  }
+  [[nodiscard]] double distanceWithin(DVec3 p, double most) const {
+    return std::sqrt(nearest(p, most).squared);
+  }
+
+  void collect(const Ray& ray, std::vector<double>& crossings) const {
+    // The ray's frame: its greatest direction becomes z, and x and y are sheared so that the ray is the z
+    // axis.
+    const DVec3 size(std::fabs(ray.direction.x), std::fabs(ray.direction.y), std::fabs(ray.direction.z));
+    const int kz = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const int kx = (kz + 1) % 3, ky = (kz + 2) % 3;
+    const double sx = ray.direction[kx] / ray.direction[kz], sy = ray.direction[ky] / ray.direction[kz],
+                 sz = 1 / ray.direction[kz];
+    struct Seen {
+      double x, y, z;
+    };
+    const auto seen = [&](Point v) {
+      const DVec3 d = DVec3(v) - ray.origin;
+      return Seen{d[kx] - sx * d[kz], d[ky] - sy * d[kz], sz * d[kz]};
+    };
+    // Which side of the edge the ray passes; when it passes through, as if it were moved by (e, e^2).
+    const auto sideOf = [](const Seen& a, const Seen& b) {
+      const double area = a.x * b.y - a.y * b.x;
+      if (area != 0) return area > 0 ? 1 : -1;
+      if (a.y != b.y) return a.y < b.y ? 1 : -1;
+      return a.x == b.x ? 0 : a.x > b.x ? 1 : -1;
+    };
+    const double pad = measures().radius * 1e-9;
+    const auto misses = [&](const Box& box) {
+      double enter = -std::numeric_limits<double>::max(), exit = -enter;
+      for (int a = 0; a < 3; ++a) {
+        const double lo = static_cast<double>(box.min[a]) - pad, hi = static_cast<double>(box.max[a]) + pad;
+        const double o = ray.origin[a], d = ray.direction[a];
+        if (d == 0) {
+          if (o < lo || o > hi) return true;
+          continue;
+        }
+        const double t0 = (lo - o) / d, t1 = (hi - o) / d;
+        enter = std::max(enter, std::min(t0, t1));
+        exit = std::min(exit, std::max(t0, t1));
+      }
+      return !(enter <= exit + 1e-9 * std::fabs(exit));
+    };
+    const auto nodes = tree_.nodes();
+    std::array<std::uint32_t, 128> stack;
+    std::size_t depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+      const std::uint32_t n = stack[--depth];
+      const TriangleTree::Node& node = nodes[n];
+      if (misses(node.box)) continue;
+      if (node.right != 0) {
+        stack[depth++] = node.right;
+        stack[depth++] = n + 1;
+        continue;
+      }
+      for (const std::uint32_t t : tree_.order().subspan(node.first, node.count)) {
+        const auto& v = mesh_.triangles[t];
+        const Seen a = seen(mesh_.vertices[v[0]]), b = seen(mesh_.vertices[v[1]]),
+                   c = seen(mesh_.vertices[v[2]]);
+        const int side = sideOf(a, b);
+        if (side == 0 || sideOf(b, c) != side || sideOf(c, a) != side) continue;
+        const double u = b.x * c.y - b.y * c.x, w = c.x * a.y - c.y * a.x, q = a.x * b.y - a.y * b.x;
+        const double sum = u + w + q;
+        crossings.push_back(sum != 0 ? (u * a.z + w * b.z + q * c.z) / sum : (a.z + b.z + c.z) / 3);
+      }
+    }
+  }
+
+  // Regions of triangles that meet smoothly, numbered from 0.
+  [[nodiscard]] std::vector<std::uint32_t> smoothRegions() const {
+    std::vector<std::uint32_t> parent(mesh_.triangles.size());
+    std::iota(parent.begin(), parent.end(), 0u);
+    const auto rootOf = [&](std::uint32_t t) {
+      while (parent[t] != t) t = parent[t] = parent[parent[t]];
+      return t;
+    };
+    struct Edge {
+      std::uint32_t from, to, triangle;
+    };
+    std::vector<Edge> edges;
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = mesh_.triangles[t][k], b = mesh_.triangles[t][(k + 1) % 3];
+        edges.push_back({std::min(a, b), std::max(a, b), t});
+      }
+    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+      return std::tie(a.from, a.to, a.triangle) < std::tie(b.from, b.to, b.triangle);
+    });
+    for (std::size_t i = 0; i + 1 < edges.size(); ++i)
+      if (edges[i].from == edges[i + 1].from && edges[i].to == edges[i + 1].to &&
+          dot(normals_[edges[i].triangle], normals_[edges[i + 1].triangle]) > kSmooth)
+        parent[std::max(rootOf(edges[i].triangle), rootOf(edges[i + 1].triangle))] =
+            std::min(rootOf(edges[i].triangle), rootOf(edges[i + 1].triangle));
+    std::vector<std::uint32_t> numbers(parent.size());
+    std::uint32_t count = 0;
+    for (std::uint32_t t = 0; t < parent.size(); ++t) {
+      const std::uint32_t root = rootOf(t);
+      numbers[t] = root == t ? count++ : numbers[root];  // a root is the first of its region
+    }
+    return numbers;
+  }
+
+  [[nodiscard]] std::size_t indexOf(int x, int y, int z) const {
+    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells_[1]) + static_cast<std::size_t>(y)) *
+               static_cast<std::size_t>(cells_[0]) +
+           static_cast<std::size_t>(x);
+  }
+  [[nodiscard]] DVec3 middleOf(int x, int y, int z) const {
+    return low_ + cell_ * DVec3(x + 0.5, y + 0.5, z + 0.5);
+  }
+
+  void makeGrid() {
+    // As many cells as triangles, about, so that a cell holds few.
+    const DVec3 size(bounds_.max - bounds_.min);
+    const double longest = std::max({size.x, size.y, size.z});
+    const int along = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(mesh_.triangles.size()))),
+                                 kLeastCells, kMostCells);
+    cell_ = longest / along * 1.000001;
+    low_ = DVec3(bounds_.min) - DVec3(longest * 2e-7);
+    for (int a = 0; a < 3; ++a) cells_[a] = std::max(1, static_cast<int>(size[a] / cell_) + 1);
+    distances_.resize(static_cast<std::size_t>(cells_[0]) * static_cast<std::size_t>(cells_[1]) *
+                      static_cast<std::size_t>(cells_[2]));
+    tbb::parallel_for(0, cells_[2], [&](int z) {
+      for (int y = 0; y < cells_[1]; ++y)
+        for (int x = 0; x < cells_[0]; ++x) {
+          const DVec3 p = middleOf(x, y, z);
+          // Rounded towards 0, so that float32 promises no more than was measured.
+          const double d = std::sqrt(nearest(p, std::numeric_limits<double>::max()).squared) * (1 - 1e-6);
+          distances_[indexOf(x, y, z)] = static_cast<float>(encloses(p) ? -d : d);
+        }
+    });
+  }
+
+  const TriangleMesh& mesh_;
+  TriangleTree tree_;
+  Box bounds_;
+  std::vector<DVec3> normals_;
+  // Signed distances from the middles of cells to the surface.
+  std::vector<float> distances_;
+  DVec3 low_{0};
+  double cell_ = 1;
+  int cells_[3] = {1, 1, 1};
+};
+
+// Meshes that are made rather than read: a star's prism and a trefoil knot.
+std::shared_ptr<const MeshSource> starPrism() {
+  auto source = std::make_shared<MeshSource>();
+  TriangleMesh& mesh = source->mesh;
+  // Ten corners around, far and near by turns; on a circle of radius 1 in steps of a tenth of a turn.
+  const double cosine[10] = {
+      1,  0.8090169943749475,  0.30901699437494745,  -0.30901699437494745, -0.8090169943749475,
+      -1, -0.8090169943749475, -0.30901699437494745, 0.30901699437494745,  0.8090169943749475};
+  const double sine[10] = {
+      0, 0.5877852522924731,  0.9510565162951535,  0.9510565162951535,  0.5877852522924731,
+      0, -0.5877852522924731, -0.9510565162951535, -0.9510565162951535, -0.5877852522924731};
+  for (const float z : {-0.3f, 0.3f})
+    for (int i = 0; i < 10; ++i) {
+      const double r = i % 2 == 0 ? 0.9 : 0.42;
+      mesh.vertices.emplace_back(static_cast<float>(r * cosine[i]), static_cast<float>(r * sine[i]), z);
+    }
+  mesh.vertices.emplace_back(0.0f, 0.0f, -0.3f);
+  mesh.vertices.emplace_back(0.0f, 0.0f, 0.3f);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    const std::uint32_t j = (i + 1) % 10;
+    mesh.triangles.push_back({20, j, i});
+    mesh.triangles.push_back({21, 10 + i, 10 + j});
+    mesh.triangles.push_back({i, j, 10 + j});
+    mesh.triangles.push_back({i, 10 + j, 10 + i});
+  }
+  return source;
+}
+
+}  // namespace
+
+const VolumeKind& meshKind() {
+  static const VolumeKind kind{
+      .name = "mesh",
+      .summary = "the solid inside a closed triangle mesh, from an STL, PLY, OBJ, OFF, 3MF or AMF file",
+      .parameters = {{.name = "mesh",
+                      .meaning = "the boundary of a solid: closed, facing out, meeting itself nowhere",
+                      .form = ParameterInfo::Form::Mesh}},
+      .make = [](const VolumeParameters& p) -> std::shared_ptr<const Volume> {
+        return std::make_shared<MeshVolume>(p);
+      },
+      .examples = [] { return std::vector<VolumeParameters>{{{{}}, starPrism()}}; }};
+  return kind;
+}
+
+}  // namespace restroke::implicit
