@@ -26,7 +26,7 @@ inline constexpr double kPi = 3.141592653589793238462643383279502884;
   const double t = smaller / larger;
   // atan t = atan c + atan r with c the nearest eighth and r = (t - c) / (1 + t c), at most 1/16 in size,
   // where seven terms of the series leave less than (1/16)^15 / 15 = 6e-20.
-  const int k = static_cast<int>(t * 8 + 0.5);
+  const int k = (static_cast<int>(t * 16) + 1) / 2;
   const double c = k / 8.0;
   const double r = (t - c) / (1 + t * c), s = r * r;
   const double series =

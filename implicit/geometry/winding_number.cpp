@@ -63,12 +63,12 @@ WindingNumber::Cluster WindingNumber::clusterOf(const TriangleTree::Node& node) 
     const DVec3 sum = d[0] + d[1] + d[2];
     c.area += area;
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) c.first[static_cast<std::size_t>(3 * i + j)] += area[i] * sum[j] / 3;
+      for (int j = 0; j < 3; ++j) c.first[i][j] += area[i] * sum[j] / 3;
     for (std::size_t jk = 0; jk < kPairs.size(); ++jk) {
       const auto [j, k] = kPairs[jk];
       const double products = d[0][j] * d[0][k] + d[1][j] * d[1][k] + d[2][j] * d[2][k] + sum[j] * sum[k];
       const double mean = products / (j == k ? 24 : 12);
-      for (int i = 0; i < 3; ++i) c.second[6 * static_cast<std::size_t>(i) + jk] += area[i] * mean;
+      for (int i = 0; i < 3; ++i) c.second[i][jk] += area[i] * mean;
     }
   }
   c.radius = std::sqrt(furthest);
@@ -81,17 +81,17 @@ double WindingNumber::farWinding(const Cluster& c, DVec3 away) {
   const double square = dot(away, away), distance = std::sqrt(square);
   const DVec3 u = away / distance;  // so that no power of a large or small distance leaves the range
   const auto& M = c.first;
-  const double trace = M[0] + M[4] + M[8];
+  const double trace = M[0][0] + M[1][1] + M[2][2];
   double along = 0;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) along += u[i] * M[static_cast<std::size_t>(3 * i + j)] * u[j];
+    for (int j = 0; j < 3; ++j) along += u[i] * M[i][j] * u[j];
   // Contracted with 15 u_i u_j u_k - 3 (delta_ij u_k + delta_ik u_j + delta_jk u_i).
   double second = 0;
   for (int i = 0; i < 3; ++i)
     for (std::size_t jk = 0; jk < kPairs.size(); ++jk) {
       const auto [j, k] = kPairs[jk];
       const double deltas = (i == j ? u[k] : 0) + (i == k ? u[j] : 0) + (j == k ? u[i] : 0);
-      second += c.second[6 * static_cast<std::size_t>(i) + jk] * (15 * u[i] * u[j] * u[k] - 3 * deltas);
+      second += c.second[i][jk] * (15 * u[i] * u[j] * u[k] - 3 * deltas);
     }
   return (dot(c.area, u) + (trace - 3 * along) / distance + second / square) / square / (4 * kPi);
 }

@@ -47,9 +47,9 @@ class WindingNumber {
     double radius = 0;  ///< of a ball about it that holds the triangles
     DVec3 area{0};      ///< integral of the normal n
     /// Integrals of n_i d_j, d the way from the centre.
-    std::array<double, 9> first{};
+    std::array<std::array<double, 3>, 3> first{};
     /// Integrals of n_i d_j d_k / 2 for jk = xx, yy, zz, xy, xz, yz (the last three doubled: jk and kj).
-    std::array<double, 18> second{};
+    std::array<std::array<double, 6>, 3> second{};
   };
 
   [[nodiscard]] Cluster clusterOf(const TriangleTree::Node& node) const;

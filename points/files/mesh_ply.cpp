@@ -16,7 +16,7 @@ namespace {
 enum class Kind : std::uint8_t { Signed, Unsigned, Floating };
 struct Type {
   Kind kind = Kind::Signed;
-  std::size_t size = 0;  ///< bytes
+  std::size_t size = 1;  ///< bytes
 };
 
 std::optional<Type> typeNamed(std::string_view name) {
@@ -158,9 +158,9 @@ class Values {
     if (encoding_ == Encoding::Ascii) return text_.integer(text_.word(), "a value");
     const std::uint64_t bits = raw(type.size);
     if (type.kind == Kind::Unsigned) return static_cast<std::int64_t>(bits);
-    // The sign bit, wherever it is, becomes the sign.
-    const std::uint64_t sign = std::uint64_t{1} << (8 * type.size - 1);
-    return static_cast<std::int64_t>((bits ^ sign) - sign);
+    if (type.size == 1) return static_cast<std::int8_t>(bits);
+    if (type.size == 2) return static_cast<std::int16_t>(bits);
+    return static_cast<std::int32_t>(bits);
   }
 
   float coordinate(Type type) {

@@ -16,6 +16,19 @@ std::string_view withoutPlus(std::string_view word) {
   return word;
 }
 
+template <class Number>
+std::string shortestOf(Number value) {
+  std::array<char, 40> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+/// Of a number that is out of a double's range: is it too small rather than too large?
+bool isTiny(std::string_view number) {
+  const std::size_t exponent = number.find_first_of("eE");
+  if (exponent != std::string_view::npos) return number.substr(exponent + 1).starts_with('-');
+  return number.find_first_of("123456789") > number.find('.');
+}
+
 /// A word from a file, fit to be shown: short, printable.
 std::string shown(std::string_view word) {
   constexpr std::size_t kLongest = 40;
@@ -37,18 +50,19 @@ void refuse(const Source& source, const std::string& place, std::string what) {
 
 std::optional<float> parseFloat(std::string_view word) {
   word = withoutPlus(word);
-  const char* const end = word.data() + word.size();
+  const char *const begin = word.data(), *const end = begin + word.size();
   float value = 0;
-  if (const auto [stop, error] = std::from_chars(word.data(), end, value); stop != end || word.empty())
-    return std::nullopt;
-  else if (error == std::errc::result_out_of_range) {
-    // Libraries differ in whether a number that is too small for a float is out of range; as a double it is
-    // not, but for sizes that do not occur.
-    double wide = 0;
-    if (std::from_chars(word.data(), end, wide).ec != std::errc()) return std::nullopt;
-    value = static_cast<float>(wide);
-  } else if (error != std::errc()) {
-    return std::nullopt;
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (stop != end || begin == end) return std::nullopt;
+  // Libraries differ in whether a number that is too small is out of range. The nearest float is 0, or what
+  // a double says.
+  if (double wide = 0; error == std::errc::result_out_of_range) {
+    if (std::from_chars(begin, end, wide).ec == std::errc())
+      value = static_cast<float>(wide);
+    else if (isTiny(word))
+      value = 0;
+    else
+      return std::nullopt;
   }
   if (!std::isfinite(value)) return std::nullopt;
   return value;
@@ -56,18 +70,13 @@ std::optional<float> parseFloat(std::string_view word) {
 
 std::optional<std::int64_t> parseInteger(std::string_view word) {
   word = withoutPlus(word);
-  const char* const end = word.data() + word.size();
+  const char *const begin = word.data(), *const end = begin + word.size();
   std::int64_t value = 0;
-  const auto [stop, error] = std::from_chars(word.data(), end, value);
-  if (word.empty() || stop != end || error != std::errc()) return std::nullopt;
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (begin == end || stop != end || error != std::errc()) return std::nullopt;
   return value;
 }
 
-template <class Number>
-static std::string shortestOf(Number value) {
-  std::array<char, 40> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
 std::string shortest(float value) {
   return shortestOf(value);
 }

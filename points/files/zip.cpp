@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <limits>
 
 #include "implicit/errors.h"
@@ -209,7 +210,7 @@ std::string makeZip(const std::vector<ZipEntry>& entries) {
     append16(common, entry.name.size());
     append16(common, 0);
     append32(out, kLocalHeader);
-    out += common + entry.name + packed;
+    for (const std::string& part : {std::cref(common), std::cref(entry.name), std::cref(packed)}) out += part;
     append32(directory, kDirectoryEntry);
     append16(directory, 20);
     directory += common;

@@ -19,8 +19,9 @@ struct IsosurfaceOptions {
   std::optional<double> cell = std::nullopt;
 };
 
-/// The volume of a shape of many primitives, brush strokes of a twentieth of its size among them, is then
-/// within 1 % (points/README.md has measurements).
+/// The volume is then within 0.01 % for a ball, and within 0.1 % for 400 random balls of 0.2 to 120 % of the
+/// model's half size added and carved; at 32, within 0.1 % and 0.2 %. What is thinner than a cell has no such
+/// bound.
 inline constexpr int kDefaultResolution = 128;
 inline constexpr int kMaxResolution = 4096;
 /// More grid points than this are refused: the grid would take more than 1 GiB.

@@ -200,6 +200,15 @@ TEST(ReadMesh, ModelsOf3mfArePlacedAsTheBuildSays) {
   EXPECT_EQ(parseMesh(model3mf(mesh3mf("1"), ""), "x"), plain);
 }
 
+TEST(ReadMesh, NumbersTooSmallForAnyTypeAreZero) {
+  const std::string zeros(400, '0');
+  const TriangleMesh mesh =
+      parseMesh("OFF 3 1 0\n1e-400 0." + zeros + "1 -1e-60\n1 0 0\n0 1 0\n3 0 1 2\n", "x");
+  EXPECT_EQ(mesh, kTriangle);
+  for (const std::string& large : std::vector<std::string>{"1e400", "1" + zeros, "0.5e+400", "-1e60"})
+    EXPECT_NE(refusalOf("v " + large + " 0 0\n", "x.obj").find("finite float32"), std::string::npos) << large;
+}
+
 TEST(ReadMesh, EqualPositionsBecomeOneVertexAndUnusedOnesStay) {
   const TriangleMesh mesh =
       parseMesh("OFF 6 2 0\n0 0 0\n1 0 0\n0 1 0\n7 7 7\n-0 0 0\n1.0 -0.0 0e5\n3 0 1 2\n3 4 2 5\n", "x");

@@ -52,6 +52,12 @@ TEST(IsosurfaceByCgal, S13ACarvedListIsASolid) {
   }
 }
 
+TEST(IsosurfaceByCgal, S13AShapeOfAllKindsIsASolid) {
+  const implicit::PrimitiveList list = testing::shapeOfAllKinds();
+  const Isosurface out = isosurfaceOf(ListSource(list), {.resolution = 64});
+  expectSolid(out.mesh, volumeOf(out.mesh));
+}
+
 TEST(IsosurfaceByCgal, S13TurnedBoxesAreSolids) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     const Isosurface out = isosurfaceOf(testing::BoxSource::random(seed, {1, 0.6, 0.35}), {.resolution = 20});

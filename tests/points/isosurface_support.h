@@ -2,11 +2,12 @@
 // Solids for the tests of isosurfaceOf, and measures of its meshes.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -14,6 +15,7 @@
 
 #include "implicit/geometry/exact_predicates.h"
 #include "implicit/geometry/mesh_faults.h"
+#include "implicit/volume_kinds.h"
 #include "points/isosurface/contour_source.h"
 #include "tests/support/brute_force.h"
 
@@ -129,6 +131,30 @@ class BoxSource : public ContourSource {
   std::array<DVec3, 3> axes_;
   DVec3 half_;
 };
+
+/// A ball with every kind of volume added to it in one place and carved from it in another, all turned at
+/// random.
+inline implicit::PrimitiveList shapeOfAllKinds() {
+  Random random(8);
+  implicit::PrimitiveList list;
+  list.append({implicit::Sphere{}, implicit::Sign::Positive});
+  const auto kinds = implicit::volumeKinds();
+  const std::size_t count = 2 * kinds.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const implicit::VolumeKind& kind = *kinds[i / 2];
+    const auto volume = kind.make(kind.examples().front());
+    // Along a spiral on the ball, in golden angles.
+    const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(count);
+    const double r = std::sqrt(1 - z * z), angle = 2.399963229728653 * static_cast<double>(i);
+    implicit::Pose pose;
+    pose.position = Point(DVec3(r * std::cos(angle), r * std::sin(angle), z));
+    for (float& q : pose.rotation) q = random.between(-1, 1);
+    pose.scale = static_cast<float>(0.3 / static_cast<double>(volume->measures().radius));
+    list.append({std::make_shared<const implicit::PosedVolume>(volume, pose),
+                 i % 2 == 0 ? implicit::Sign::Positive : implicit::Sign::Negative});
+  }
+  return list;
+}
 
 /// V - E + F. Edges are counted as pairs of vertices, whoever uses them.
 inline std::int64_t eulerCharacteristic(const TriangleMesh& mesh) {

@@ -159,6 +159,22 @@ TEST(Isosurface, ACavityIsASecondShellThatFacesIntoIt) {
   EXPECT_NEAR(volumeOf(out.mesh) / (4 * std::numbers::pi / 3 * (1 - 0.125)), 1, 2e-3);
 }
 
+// Ratio of the mesh's volume to that of the list, from 400,000 random points.
+double volumeRatio(const PrimitiveList& list, const Isosurface& out) {
+  Random random(17);
+  const Box box = list.bounds();
+  const Vec3 size = box.max - box.min;
+  std::vector<Point> points(400'000);
+  for (Point& p : points)
+    p = {random.between(box.min.x, box.max.x), random.between(box.min.y, box.max.y),
+         random.between(box.min.z, box.max.z)};
+  std::vector<Side> sides(points.size());
+  implicit::sidesOf(list, points, sides);
+  const auto count = static_cast<double>(std::count(sides.begin(), sides.end(), Side::Inside));
+  const double all = static_cast<double>(size.x) * static_cast<double>(size.y) * static_cast<double>(size.z);
+  return volumeOf(out.mesh) / (count / static_cast<double>(sides.size()) * all);
+}
+
 TEST(Isosurface, RandomListsAreSoundAndHaveTheirMonteCarloVolume) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     Random random(seed);
@@ -167,21 +183,32 @@ TEST(Isosurface, RandomListsAreSoundAndHaveTheirMonteCarloVolume) {
     const PrimitiveList list = listOf(plain);
     const Isosurface out = isosurfaceOf(ListSource(list));
     expectSound(out);
-    const Box box = list.bounds();
-    const Vec3 size = box.max - box.min;
-    std::vector<Point> points(400'000);
-    for (Point& p : points)
-      p = {random.between(box.min.x, box.max.x), random.between(box.min.y, box.max.y),
-           random.between(box.min.z, box.max.z)};
-    std::vector<Side> sides(points.size());
-    implicit::sidesOf(list, points, sides);
-    const double share = static_cast<double>(std::count(sides.begin(), sides.end(), Side::Inside)) /
-                         static_cast<double>(sides.size());
-    const double all =
-        static_cast<double>(size.x) * static_cast<double>(size.y) * static_cast<double>(size.z);
-    // Its standard deviation is 0.1 to 0.2 % here.
-    EXPECT_NEAR(volumeOf(out.mesh) / (share * all), 1, 0.01) << "seed " << seed;
+    // The Monte Carlo volume's standard deviation is 0.1 to 0.2 %.
+    EXPECT_NEAR(volumeRatio(list, out), 1, 0.01) << "seed " << seed;
   }
+}
+
+TEST(Isosurface, S13AShapeOfAllKindsIsSoundAndHasItsMonteCarloVolume) {
+  const PrimitiveList list = testing::shapeOfAllKinds();
+  const Isosurface out = isosurfaceOf(ListSource(list));
+  expectSound(out);
+  EXPECT_DOUBLE_EQ(out.resolution, kDefaultResolution);
+  EXPECT_NEAR(volumeRatio(list, out), 1, 0.01);
+}
+
+TEST(Isosurface, S13EveryExampleOfEveryKindIsSoundHoweverThin) {
+  for (const implicit::VolumeKind* kind : implicit::volumeKinds())
+    for (const implicit::VolumeParameters& parameters : kind->examples())
+      for (const std::array<float, 4>& rotation :
+           {std::array{0.0f, 0.0f, 0.0f, 1.0f}, std::array{0.3f, 0.5f, -0.2f, 0.7f}}) {
+        SCOPED_TRACE(kind->name);
+        PrimitiveList list;
+        list.append({std::make_shared<const implicit::PosedVolume>(
+                         kind->make(parameters), implicit::Pose{{0.1f, 0.2f, 0.3f}, rotation, 1}),
+                     Sign::Positive});
+        const Isosurface out = isosurfaceOf(ListSource(list), {.resolution = 20});
+        if (!out.mesh.triangles.empty()) expectSound(out);
+      }
 }
 
 TEST(Isosurface, CoarseMeshesOfCrowdedListsAreSound) {
@@ -370,10 +397,8 @@ TEST(ListSource, WhereRoundingHidesTheCrossingFromTheRayThereIsOneAllTheSame) {
 TEST(Isosurface, S13AdmeshFindsNothingToRepair) {
   if (std::system("command -v admesh > /dev/null") != 0)
     GTEST_SKIP() << "the program admesh is not installed";
-  Random random(5);
-  std::vector<Primitive> plain{add({0, 0, 0}, 1)};
-  for (int i = 0; i < 60; ++i) plain.push_back(restroke::testing::randomPrimitive(random, plain));
-  const Isosurface out = meshOf(plain, {.resolution = 48});
+  const PrimitiveList list = testing::shapeOfAllKinds();
+  const Isosurface out = isosurfaceOf(ListSource(list), {.resolution = 64});
   const auto stl = std::filesystem::temp_directory_path() / fmt::format("restroke_admesh_{}.stl", ::getpid());
   writeMesh(stl, out.mesh);
   // Only what matches exactly counts as connected, and directions are checked.

@@ -31,7 +31,7 @@ TEST(Qef, TwoPlanesMeetInALineAtThePointNearestTheMean) {
   qef.add({-0.4, 0.1, 0.3}, {0, 1, 0});
   expectNear(qef.minimum().position, {0.2, 0.1, 0.2}, 1e-15);
   EXPECT_EQ(qef.minimum().rank, 2);
-  EXPECT_NEAR(qef.errorAt(qef.minimum().position), 0, 1e-30);
+  EXPECT_NEAR(qef.errorAt(qef.minimum().position), 0, 1e-15);
 }
 
 TEST(Qef, ThreePlanesMeetInAPointInAnyOrientation) {
