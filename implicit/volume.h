@@ -46,8 +46,8 @@ class Volume {
   /// Those of the lanes for which contains is true, bit for bit.
   [[nodiscard]] virtual std::uint32_t containsLanes(const LocalPoints& points, std::uint32_t lanes,
                                                     double dilation) const = 0;
-  /// Signed bound of the distance to the boundary, positive outside, 0 where nothing is known: no point nearer to
-  /// p than -clearance(p) is outside, none nearer than clearance(p) - d fulfils contains(q, d).
+  /// Signed bound of the distance to the boundary, positive outside, 0 where nothing is known: no point
+  /// nearer to p than -clearance(p) is outside, none nearer than clearance(p) - d fulfils contains(q, d).
   [[nodiscard]] virtual double clearance(DVec3 p) const = 0;
   /// Unit normal that points out, at a surface point or close to one; on an edge, that of a face there.
   [[nodiscard]] virtual DVec3 outwardNormal(DVec3 p) const = 0;
