@@ -3,6 +3,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 
 #include "implicit/errors.h"
 #include "points/files/mesh_files.h"
+#include "points/isosurface/winding_source.h"
 #include "sculpt/stroke_log_lines.h"
 #include "sculpt/text_file.h"
 
@@ -119,6 +121,41 @@ std::vector<float> numbersOf(const JsonField& field, std::size_t columns) {
   return numbers;
 }
 
+// Adds the place to what a volume says of its parameters.
+template <class F>
+decltype(auto) placed(const std::string& where, const F& f) {
+  try {
+    return f();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", where, error.what()));
+  }
+}
+
+// The mesh in the bytes of a file.
+std::shared_ptr<const implicit::MeshSource> sourceIn(const std::string& bytes,
+                                                     const std::filesystem::path& file, Repair repair,
+                                                     const RepairNote& note) {
+  auto source = std::make_shared<implicit::MeshSource>();
+  source->mesh = points::parseMesh(bytes, file);
+  source->file = file.string();
+  source->hash = XXH3_64bits(bytes.data(), bytes.size());
+  if (repair == Repair::None) return source;
+  using Way = points::Repaired::Way;
+  points::Repaired repaired = placed(file.string(), [&] { return points::repairByWinding(source->mesh); });
+  if (repaired.way == Way::None) return source;
+  source->mesh = std::move(repaired.mesh);
+  source->repaired = true;
+  if (note)
+    note(fmt::format(
+        "{} is no boundary of a solid: {}; {}", file.string(), describe(repaired.faults),
+        repaired.way == Way::TurnedAround
+            ? std::string("its triangles were turned around")
+            : fmt::format("a solid of {} triangles was made of it by the generalised winding number at "
+                          "resolution {}",
+                          source->mesh.triangles.size(), points::kRepairResolution)));
+  return source;
+}
+
 std::shared_ptr<const implicit::MeshSource> meshOf(const JsonField& field,
                                                    const std::filesystem::path& folder) {
   if (field.has("file")) {
@@ -129,14 +166,17 @@ std::shared_ptr<const implicit::MeshSource> meshOf(const JsonField& field,
       repair = Repair::Winding;
     }
     const std::filesystem::path path = folder / file;
-    auto source = readMeshSource(path, repair);
-    const std::string hash = field.member("hash").string(), found = fmt::format("{:016x}", source->hash);
+    const std::string place = fmt::format("{}: {}", field.where(), field.path());
+    const std::string bytes = placed(place, [&] { return readTextFile(path); });
+    // Before anything is made of it.
+    const std::string hash = field.member("hash").string(),
+                      found = fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()));
     if (hash != found)
       throw InputError(
           fmt::format("{}: {}.hash is {}, but the file {} has the hash {}; the log was made on another "
                       "mesh",
                       field.where(), field.path(), hash, path.string(), found));
-    return source;
+    return placed(place, [&] { return sourceIn(bytes, path, repair, {}); });
   }
   auto source = std::make_shared<implicit::MeshSource>();
   const std::vector<float> numbers = numbersOf(field.member("vertices"), 3);
@@ -174,16 +214,6 @@ void requireKeys(const JsonField& field, const VolumeKind& kind, bool posed) {
     if (!known)
       throw InputError(fmt::format("{}: {} has the key \"{}\", which a {} does not have", field.where(),
                                    field.path(), key, kind.name));
-  }
-}
-
-// Adds the place to what a volume says of its parameters.
-template <class F>
-decltype(auto) placed(const std::string& where, const F& f) {
-  try {
-    return f();
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", where, error.what()));
   }
 }
 
@@ -272,7 +302,8 @@ bool isKind(std::string_view name) {
 }
 
 // A kind with its numbers, or a mesh file.
-std::shared_ptr<const Volume> volumeNamed(std::string_view text, Repair repair, std::string_view option) {
+std::shared_ptr<const Volume> volumeNamed(std::string_view text, Repair repair, std::string_view option,
+                                          const RepairNote& note) {
   const std::size_t colon = text.find(':');
   const std::string_view name = text.substr(0, colon);
   if (isKind(name) && name != "mesh")
@@ -284,7 +315,7 @@ std::shared_ptr<const Volume> volumeNamed(std::string_view text, Repair repair, 
                   [&] { return implicit::volumeKindNamed(name).make({}); });
   return placed(std::string(option), [&] {
     return implicit::volumeKindNamed("mesh").make(
-        {{{}}, readMeshSource(std::filesystem::path(text), repair)});
+        {{{}}, readMeshSource(std::filesystem::path(text), repair, note)});
   });
 }
 
@@ -335,7 +366,7 @@ Shape shapeOf(const JsonField& field, const std::filesystem::path& folder) {
                 [&] { return Shape(std::make_shared<const PosedVolume>(volume, pose)); });
 }
 
-Shape shapeNamed(std::string_view text, Repair repair, std::string_view option) {
+Shape shapeNamed(std::string_view text, Repair repair, std::string_view option, const RepairNote& note) {
   if (text == "sphere") return {};
   constexpr std::string_view kSphere = "sphere:";
   if (text.starts_with(kSphere)) {
@@ -350,14 +381,15 @@ Shape shapeNamed(std::string_view text, Repair repair, std::string_view option) 
       return sphere;
     });
   }
-  const auto volume = volumeNamed(text, repair, option);
+  const auto volume = volumeNamed(text, repair, option, note);
   return placed(std::string(option),
                 [&] { return Shape(std::make_shared<const PosedVolume>(volume, Pose{})); });
 }
 
-std::shared_ptr<const Volume> tipNamed(std::string_view text, Repair repair, std::string_view option) {
+std::shared_ptr<const Volume> tipNamed(std::string_view text, Repair repair, std::string_view option,
+                                       const RepairNote& note) {
   if (text == "ball") return nullptr;
-  return volumeNamed(text, repair, option);
+  return volumeNamed(text, repair, option, note);
 }
 
 std::string describeKinds() {
@@ -370,14 +402,9 @@ std::string describeKinds() {
   return out;
 }
 
-std::shared_ptr<const implicit::MeshSource> readMeshSource(const std::filesystem::path& file, Repair repair) {
-  const std::string bytes = readTextFile(file);
-  auto source = std::make_shared<implicit::MeshSource>();
-  source->mesh = points::parseMesh(bytes, file);
-  source->file = file.string();
-  source->hash = XXH3_64bits(bytes.data(), bytes.size());
-  source->repaired = repair == Repair::Winding;
-  return source;
+std::shared_ptr<const implicit::MeshSource> readMeshSource(const std::filesystem::path& file, Repair repair,
+                                                           const RepairNote& note) {
+  return sourceIn(readTextFile(file), file, repair, note);
 }
 
 }  // namespace restroke::sculpt

@@ -43,10 +43,14 @@ struct RenderCommandOptions {
 
 struct ExportOptions {
   CommonOptions common;
-  std::string log;
+  std::string source;  ///< log, stamp list or mesh file
   std::optional<float> density;
   bool ascii = false;
-  std::string out;
+  std::optional<int> resolution;    ///< of a mesh; at most one of the two
+  std::optional<double> cell;       ///< of a mesh, in model units
+  std::optional<std::string> unit;  ///< in place of the log's
+  double scale = 1;
+  std::string out;  ///< its ending says what is written
 };
 
 struct HistoryCommandOptions {

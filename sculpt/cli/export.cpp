@@ -1,17 +1,31 @@
-// restroke export: the shape for other programs, here as points with normals.
+// restroke export: the shape for other programs, as a mesh or as points with normals; mesh files become
+// others.
 
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
+#include <vector>
 
 #include "implicit/errors.h"
+#include "points/files/mesh_files.h"
 #include "points/files/point_files.h"
+#include "points/isosurface/isosurface.h"
 #include "sculpt/cli/commands.h"
 #include "sculpt/cli/replaying.h"
 
 namespace restroke::cli {
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::array<std::string_view, 6> kEndings{".stl", ".ply", ".xyz", ".obj", ".amf", ".3mf"};
 
 std::string extensionOf(const std::string& file) {
   std::string extension = std::filesystem::path(file).extension().string();
@@ -20,35 +34,187 @@ std::string extensionOf(const std::string& file) {
   return extension;
 }
 
+// A log begins with '{', a stamp list with the line of its base; so may the header of a binary STL file,
+// which its size gives away. What is no plain file is left to the reader of logs, which has a sentence for
+// folders and missing files, and reads pipes.
+bool isMeshFile(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  constexpr std::size_t kStlHeader = 80, kStlTriangle = 50;
+  std::array<char, kStlHeader + 4> first{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(first.data(), first.size());
+  if (file.gcount() == 0) return false;
+  if (first[0] != '{' && (first[0] != 'B' || (first[1] != ' ' && first[1] != '\t'))) return true;
+  std::uintmax_t triangles = 0;  // little endian
+  for (std::size_t i = 4; i-- > 0;)
+    triangles = triangles * 256 + static_cast<unsigned char>(first[kStlHeader + i]);
+  return std::filesystem::file_size(path, error) == first.size() + kStlTriangle * triangles;
+}
+
+points::LengthUnit unitNamed(std::string_view name) {
+  if (name == "mm") return points::LengthUnit::Millimetre;
+  if (name == "cm") return points::LengthUnit::Centimetre;
+  if (name == "m") return points::LengthUnit::Metre;
+  throw InputError(fmt::format("--unit: \"{}\" was given, but must be mm, cm or m", name));
+}
+
+// All that can be refused before a file is read.
+void validate(const ExportOptions& o) {
+  const std::string extension = extensionOf(o.out);
+  if (std::find(kEndings.begin(), kEndings.end(), extension) == kEndings.end())
+    throw InputError(fmt::format("{}: ends in \"{}\", but must end in .stl, .ply, .xyz, .obj, .amf or .3mf",
+                                 o.out, extension));
+  if (o.ascii && extension != ".stl" && extension != ".ply")
+    throw InputError(
+        fmt::format("--ascii: {} comes in one form only, but the file must end in .stl or .ply", extension));
+  if (o.resolution && o.cell)
+    throw InputError("--resolution and --cell say the same thing, but at most one of them must be given");
+  if ((o.resolution || o.cell) && extension == ".xyz")
+    throw InputError(fmt::format("{}: .xyz holds points, but --resolution and --cell are of meshes", o.out));
+  if (o.resolution && (*o.resolution < 1 || *o.resolution > points::kMaxResolution))
+    throw InputError(fmt::format("--resolution: {} was given, but must be 1 to {}", *o.resolution,
+                                 points::kMaxResolution));
+  if (o.cell && (!std::isfinite(*o.cell) || !(*o.cell > 0)))
+    throw InputError(fmt::format("--cell: {} was given, but must be finite and more than 0", *o.cell));
+  if (!std::isfinite(o.scale) || !(o.scale > 0))
+    throw InputError(fmt::format("--scale: {} was given, but must be finite and more than 0", o.scale));
+  if (o.unit) (void)unitNamed(*o.unit);
+}
+
+void refuseWithMesh(const ExportOptions& o) {
+  if (extensionOf(o.out) == ".xyz")
+    throw InputError(
+        fmt::format("{}: is a mesh, but .xyz holds points with normals, which are made of logs", o.source));
+  const char* option = o.resolution ? "--resolution" : o.cell ? "--cell" : o.density ? "--density" : nullptr;
+  if (option != nullptr)
+    throw InputError(
+        fmt::format("{}: is a mesh, whose triangles are kept, but {} is of logs", o.source, option));
+}
+
+// Does every edge have one triangle on each of its sides? O(n log n) whatever the mesh, which faultsOf is
+// not.
+bool isClosed(const TriangleMesh& mesh) {
+  using Edge = std::array<std::uint32_t, 2>;
+  std::vector<Edge> edges, reversed;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      edges.push_back({t[i], t[(i + 1) % 3]});
+      reversed.push_back({t[(i + 1) % 3], t[i]});
+    }
+  std::sort(edges.begin(), edges.end());
+  std::sort(reversed.begin(), reversed.end());
+  return std::adjacent_find(edges.begin(), edges.end()) == edges.end() && edges == reversed;
+}
+
+double areaOf(const TriangleMesh& mesh) {
+  double twice = 0;
+  for (const auto& t : mesh.triangles) {
+    const DVec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
+    twice += length(cross(b - a, c - a));
+  }
+  return twice / 2;
+}
+
+// What is made, and what it is to be called.
+struct Job {
+  const ExportOptions& options;
+  std::string unit;
+  Output& output;
+  Clock::time_point start;
+
+  [[nodiscard]] double seconds() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
+};
+
+// Of the isosurface the mesh was taken from what the report needs; none when the mesh came from a file.
+void finishMesh(const Job& job, const TriangleMesh& mesh, const points::Isosurface* made) {
+  const ExportOptions& o = job.options;
+  points::writeMesh(o.out, mesh,
+                    {.encoding = o.ascii ? points::MeshEncoding::Ascii : points::MeshEncoding::Binary,
+                     .unit = unitNamed(job.unit),
+                     .scale = o.scale});
+  if (mesh.triangles.empty())
+    Output::note(fmt::format("{}: the mesh has no triangles{}", o.source,
+                             made != nullptr ? "; the shape is empty, or smaller than a cell" : ""));
+  const bool closed = isClosed(mesh);
+  const double area = areaOf(mesh) * o.scale * o.scale;
+  const double volume = volumeOf(mesh) * o.scale * o.scale * o.scale;
+  nlohmann::ordered_json json{
+      {"out", o.out}, {"vertices", mesh.vertices.size()}, {"triangles", mesh.triangles.size()}};
+  std::string text = fmt::format("{}: {} vertices, {} triangles", o.out, grouped(mesh.vertices.size()),
+                                 grouped(mesh.triangles.size()));
+  if (made != nullptr) {
+    json["cell"] = made->cell;
+    json["resolution"] = made->resolution;
+    text += fmt::format("; cells of {:.4g} ({:.4g} along the longest side)", made->cell, made->resolution);
+  }
+  json["closed"] = closed;
+  text += fmt::format("; area {:.6g} {}^2, ", area, job.unit);
+  if (closed) {
+    json["volume"] = volume;
+    text += fmt::format("volume {:.6g} {}^3", volume, job.unit);
+  } else {
+    text += "not closed";
+  }
+  json["area"] = area;
+  if (made != nullptr) {
+    json["self_intersections"] = made->selfIntersections;
+    if (made->selfIntersections != 0)
+      text +=
+          fmt::format("; {} pairs of triangles meet where they should not", grouped(made->selfIntersections));
+  }
+  const double seconds = job.seconds();
+  json["seconds"] = seconds;
+  job.output.say(fmt::format("{}; {:.3f} s\n", text, seconds));
+  job.output.finish(json);
+}
+
+void finishPoints(const Job& job, std::vector<points::Surfel> surfels) {
+  const ExportOptions& o = job.options;
+  if (o.scale != 1)
+    for (points::Surfel& surfel : surfels) {
+      surfel.position = Point(DVec3(surfel.position) * o.scale);
+      surfel.radius = static_cast<float>(static_cast<double>(surfel.radius) * o.scale);
+    }
+  if (extensionOf(o.out) == ".xyz")
+    points::writeXyz(o.out, surfels);
+  else
+    points::writePly(o.out, surfels,
+                     {.format = o.ascii ? points::PlyFormat::Ascii : points::PlyFormat::BinaryLittleEndian,
+                      .comments = {"Restroke surfels, unit " + job.unit}});
+  const double seconds = job.seconds();
+  job.output.say(
+      fmt::format("{}: {} points with normals; {:.3f} s\n", o.out, grouped(surfels.size()), seconds));
+  job.output.finish({{"out", o.out}, {"surfels", surfels.size()}, {"seconds", seconds}});
+}
+
 }  // namespace
 
 int runExport(const ExportOptions& options) {
-  const std::string extension = extensionOf(options.out);
-  for (const char* mesh : {".stl", ".obj", ".amf", ".3mf"})
-    if (extension == mesh)
-      throw InputError(fmt::format(
-          "{}: {} holds a mesh, which this version does not make yet, but the file must end in .ply or .xyz "
-          "(points with normals)",
-          options.out, extension));
-  if (extension != ".ply" && extension != ".xyz")
-    throw InputError(fmt::format("{}: ends in \"{}\", but must end in .ply or .xyz", options.out, extension));
-
+  const auto start = Clock::now();
+  validate(options);
+  if (isMeshFile(options.source)) {
+    refuseWithMesh(options);
+    const TriangleMesh mesh = points::readMesh(options.source);
+    Output output(options.common);
+    finishMesh({options, options.unit.value_or("mm"), output, start}, mesh, nullptr);
+    return 0;
+  }
   const Execution execution = executionOf(options.common);
-  sculpt::StrokeLog log = readLogNoting(options.log);
+  sculpt::StrokeLog log = readLogNoting(options.source);
   overrideDensity(log, options.density);
   Output output(options.common);
-  const sculpt::Document document = replayNoting(log, {.file = options.log}, execution);
-  const std::vector<points::Surfel> surfels = document.model().surfels(execution);
-  if (extension == ".xyz") {
-    points::writeXyz(options.out, surfels);
-  } else {
-    points::writePly(
-        options.out, surfels,
-        {.format = options.ascii ? points::PlyFormat::Ascii : points::PlyFormat::BinaryLittleEndian,
-         .comments = {"Restroke surfels, unit " + log.header.unit}});
+  const sculpt::Document document = replayNoting(log, {.file = options.source}, execution);
+  const Job job{options, options.unit.value_or(log.header.unit), output, start};
+  const std::string extension = extensionOf(options.out);
+  if (extension == ".xyz" || (extension == ".ply" && !options.resolution && !options.cell)) {
+    finishPoints(job, document.model().surfels(execution));
+    return 0;
   }
-  output.say(fmt::format("{}: {} points with normals\n", options.out, grouped(surfels.size())));
-  output.finish({{"out", options.out}, {"surfels", surfels.size()}});
+  const points::Isosurface made =
+      points::isosurfaceOf(points::ListSource(document.model().list()),
+                           {.resolution = options.resolution, .cell = options.cell}, execution);
+  finishMesh(job, made.mesh, &made);
   return 0;
 }
 

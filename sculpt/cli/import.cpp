@@ -4,6 +4,7 @@
 
 #include "implicit/errors.h"
 #include "sculpt/cli/commands.h"
+#include "sculpt/cli/output.h"
 #include "sculpt/cli/replaying.h"
 #include "sculpt/cli/words.h"
 #include "sculpt/pen_strokes.h"
@@ -35,9 +36,9 @@ sculpt::Trace traceNamed(const std::string& name) {
 sculpt::PenOptions penOptionsOf(const ImportOptions& options) {
   sculpt::PenOptions pen;
   const sculpt::Repair repair = repairNamed(options.repair);
-  pen.base = sculpt::shapeNamed(options.base.value_or("sphere"), repair, "--base");
+  pen.base = sculpt::shapeNamed(options.base.value_or("sphere"), repair, "--base", Output::note);
   pen.trace = traceNamed(options.trace.value_or("stamps"));
-  if (options.tip) pen.tip = sculpt::tipNamed(*options.tip, repair, "--tip");
+  if (options.tip) pen.tip = sculpt::tipNamed(*options.tip, repair, "--tip", Output::note);
   pen.mode = penModeNamed(options.mode.value_or("add"));
   if (options.radius) pen.radius = checkedSize("--radius", *options.radius);
   if (options.density) pen.density = checkedDensity(*options.density);

@@ -89,10 +89,25 @@ CLI::App* addRender(CLI::App& app, RenderCommandOptions& o) {
 }
 
 CLI::App* addExport(CLI::App& app, ExportOptions& o) {
-  CLI::App* c = app.add_subcommand("export", "write the shape as points with normals");
-  c->add_option("log", o.log, "stroke log or stamp list")->required();
-  c->add_option("--out", o.out, "file that ends in .ply or .xyz")->required();
-  c->add_flag("--ascii", o.ascii, "PLY as text");
+  CLI::App* c = app.add_subcommand("export", "write the shape as a mesh or as points with normals");
+  c->footer(
+      ".stl, .obj, .amf and .3mf get a mesh, .xyz gets points with normals. .ply gets points (with "
+      "--resolution or\n"
+      "--cell, or when the source is a mesh file: a mesh). Coordinates are kept, but for --scale.");
+  c->add_option(
+       "source", o.source,
+       "stroke log or stamp list, or a mesh file (STL, PLY, OBJ, OFF, 3MF, AMF), whose triangles are kept")
+      ->required();
+  c->add_option("--out", o.out, "file that ends in .stl, .ply, .xyz, .obj, .amf or .3mf")->required();
+  c->add_flag("--ascii", o.ascii, "STL or PLY as text");
+  c->add_option("--resolution", o.resolution,
+                "of a mesh: cells along the shape's longest side, 1 to 4096, default 128");
+  c->add_option("--cell", o.cell, "of a mesh: side of a cell in model units, in place of --resolution");
+  c->add_option(
+      "--unit", o.unit,
+      "mm, cm or m: what a coordinate of 1 means, where the format can say it (not STL, XYZ); default the "
+      "log's; of a mesh file mm, whatever it says");
+  c->add_option("--scale", o.scale, "factor for all coordinates, default 1");
   c->add_option("--density", o.density, "samples per square model unit, in place of the header's");
   addCommon(c, o.common);
   return c;

@@ -4,6 +4,7 @@
 
 #include "implicit/errors.h"
 #include "sculpt/cli/commands.h"
+#include "sculpt/cli/output.h"
 #include "sculpt/cli/replaying.h"
 #include "sculpt/cli/words.h"
 
@@ -21,7 +22,7 @@ int runRetarget(const RetargetOptions& options) {
   sculpt::StrokeLog log = readLogNoting(options.log);
   refuseStampList(log, options.log, "retarget");
   if (!options.base.empty())
-    log.header.base = sculpt::shapeNamed(options.base, repairNamed(options.repair), "--base");
+    log.header.base = sculpt::shapeNamed(options.base, repairNamed(options.repair), "--base", Output::note);
   log.header.base = transformed(log.header.base, options.transform);
   for (sculpt::Command& command : log.commands) {
     auto* stroke = std::get_if<sculpt::StrokeCommand>(&command);

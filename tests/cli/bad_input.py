@@ -231,6 +231,98 @@ class BadPenStrokes(Case):
         self.assertEqual(self.replay(self.path("o.log"))["stroke_points"], 1000000)
 
 
+# A tetrahedron, the same without a face, and inside out.
+OFF = "OFF\n4 %d 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+FACES = ["3 0 2 1\n", "3 0 1 3\n", "3 1 2 3\n", "3 0 3 2\n"]
+CLOSED = OFF % 4 + "".join(FACES)
+OPEN = OFF % 3 + "".join(FACES[:3])
+INWARDS = OFF % 4 + "".join("3 " + " ".join(reversed(face.split()[1:])) + "\n" for face in FACES)
+
+
+class Meshes(Case):
+    """Bases and tips that are meshes from files (S13)."""
+
+    def both(self, base, *more):
+        """The commands that take a base, with one."""
+        source, log = self.file("a.json", pen()), self.file("a.log", HEADER + STROKE)
+        return [["import", source, "--base", base, "--out", self.path("o.log"), *more],
+                ["retarget", log, "--base", base, "--out", self.path("o.log"), *more]]
+
+    def test_files_that_are_no_solid_are_refused(self):
+        bad = {
+            "missing.off": (None, "is no file"),
+            "words.off": ("a mesh would be nice\n", "words.off"),
+            "cut.off": (CLOSED[:-9], "cut.off"),
+            "nothing.off": ("OFF\n0 0 0\n", "no triangles"),
+            "open.off": (OPEN, "3 edges belong to one triangle only"),
+            "inwards.off": (INWARDS, "inside out"),
+        }
+        for name, (text, says) in bad.items():
+            base = self.path(name) if text is None else self.file(name, text)
+            for arguments in self.both(base):
+                with self.subTest(name=name, command=arguments[0]):
+                    done = self.refused(*arguments, says=says)
+                    self.assertIn("--base: ", done.stderr)
+                    self.assertIn(name, done.stderr)
+
+    def test_repair_must_be_winding_and_find_a_solid(self):
+        for arguments in self.both(self.file("open.off", OPEN), "--repair", "glue"):
+            self.refused(*arguments, says="--repair: ")
+        sheet = self.file("sheet.off", OFF % 1 + FACES[0])
+        for arguments in self.both(sheet, "--repair", "winding"):
+            self.refused(*arguments, says="sheet.off: no solid can be made of this mesh")
+
+    def test_a_mesh_without_faults_is_a_base_and_a_tip_and_nothing_is_said(self):
+        mesh = self.file("closed.off", CLOSED)
+        for more in ([], ["--repair", "winding"]):
+            for arguments in self.both(mesh, *more):
+                self.assertEqual(self.accepted(*arguments).stderr.count("no boundary"), 0)
+                self.assertNotIn(b"repair", self.read("o.log"))
+                self.replay(self.path("o.log"), "--check")
+        self.accepted("import", self.path("a.json"), "--tip", mesh, "--out", self.path("o.log"))
+        self.assertGreater(self.replay(self.path("o.log"), "--check")["primitives"], 1)
+
+    def test_a_repair_is_said_and_the_log_gives_the_same_again(self):
+        for name, text, says in (("open.off", OPEN, "generalised winding number at resolution"),
+                                 ("inwards.off", INWARDS, "turned around")):
+            for arguments in self.both(self.file(name, text), "--repair", "winding"):
+                with self.subTest(name=name, command=arguments[0]):
+                    done = self.accepted(*arguments)
+                    notes = [line for line in done.stderr.splitlines() if "no boundary of a solid" in line]
+                    self.assertEqual(len(notes), 1, done.stderr)
+                    self.assertIn(name, notes[0])
+                    self.assertIn(says, notes[0])
+                    self.assertIn(b'"repair":"winding"', self.read("o.log"))
+                    first = self.replay(self.path("o.log"), "--check", "--threads", "1")
+                    again = self.replay(self.path("o.log"), "--threads", "2")
+                    self.assertEqual(first["state_hash"], again["state_hash"])
+                    self.accepted("retarget", self.path("o.log"), "--out", self.path("p.log"))
+                    self.assertEqual(self.replay(self.path("p.log"))["state_hash"], first["state_hash"])
+        tip = self.accepted("import", self.path("a.json"), "--tip", self.path("open.off"), "--repair", "winding",
+                            "--out", self.path("o.log"))
+        self.assertIn("open.off is no boundary of a solid", tip.stderr)
+        self.replay(self.path("o.log"), "--check")
+
+    def test_logs_whose_mesh_is_another_one_or_gone_are_refused(self):
+        mesh = self.file("closed.off", CLOSED)
+        self.accepted(*self.both(mesh)[0])
+        log = self.path("o.log")
+        self.replay(log, "--check")
+        uses = (["replay", log], ["render", log, "--png", self.path("a.png")],
+                ["export", log, "--out", self.path("a.ply")], ["retarget", log, "--out", self.path("b.log")])
+        for text in (CLOSED.replace("0 0 1", "0 0 2", 1), OPEN):
+            self.file("closed.off", text)
+            for arguments in uses:
+                self.refused(*arguments, says="has the hash")
+        os.remove(mesh)
+        for arguments in uses:
+            self.assertIn("o.log:1: ", self.refused(*arguments, says="closed.off").stderr)
+
+    def test_a_mesh_cannot_be_swept(self):
+        source, mesh = self.file("a.json", pen()), self.file("closed.off", CLOSED)
+        self.refused("import", source, "--tip", mesh, "--trace", "sweep", "--out", self.path("o.log"), says="sweep")
+
+
 class Disks(Case):
     def outputs(self, folder):
         log, source = self.file("in.log", HEADER + STROKE), self.file("in.json", pen())
