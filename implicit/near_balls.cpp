@@ -52,6 +52,7 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
   }
   float* x = floats_.data();
   earlier_ = static_cast<std::uint32_t>(n);
+  anyVolume_ = false;
   for (std::size_t i = 0; i < n; ++i) {
     const Primitive& p = list[PrimitiveId{found_[i].slot}];
     const DropBall b = dropBall(p.shape);
@@ -62,6 +63,7 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
     x[4 * stride_ + i] = p.shape.ball().radius * p.shape.ball().radius;
     x[5 * stride_ + i] = b.r2Drop;
     volumes_[i] = b.volume;
+    anyVolume_ = anyVolume_ || b.volume;
     positive_[i] = p.sign == Sign::Positive;
     if (found_[i].label > own && earlier_ == n) earlier_ = static_cast<std::uint32_t>(i);
   }
@@ -86,6 +88,7 @@ BallArrays NearBalls::arrays() const {
           x + 4 * stride_,
           x + 5 * stride_,
           volumes_.data(),
+          anyVolume_,
           positive_.data(),
           static_cast<std::uint32_t>(found_.size()),
           earlier_};

@@ -37,6 +37,7 @@ class NearBalls {
   std::uint32_t round_ = 0;
   std::vector<float> floats_;  // six arrays, one after the other
   std::vector<const PosedVolume*> volumes_;
+  bool anyVolume_ = false;
   std::vector<std::uint8_t> positive_;
   std::size_t stride_ = 0;
   std::uint32_t earlier_ = 0;

@@ -17,7 +17,7 @@ implicit::Shape placed(const std::shared_ptr<const implicit::Volume>& volume, DV
   implicit::Pose pose;
   const implicit::VolumeMeasures& m = volume->measures();
   pose.scale = static_cast<float>(0.95 / m.radius);
-  pose.rotation = implicit::rotationTo({0.25, -0.35, 1}, {1, 0.4, 0});
+  pose.rotation = implicit::rotationTo({0.25, 1, 0.35}, {1, 0, -0.4});
   // The rotation alone, then the move that brings the volume's middle to the place.
   pose.position = Point(middle);
   const implicit::PosedVolume turned(volume, pose);
@@ -36,14 +36,14 @@ sculpt::StrokeLog galleryLog() {
   sculpt::StrokeLog log;
   log.header.density = 1500;
   log.header.base = std::make_shared<const implicit::PosedVolume>(
-      implicit::volumeKindNamed("box").make({{{width / 2}, {depth / 2}, {0.6f}, {0.12f}}}),
-      implicit::Pose{.position = {0, 0, -0.6f}});
+      implicit::volumeKindNamed("box").make({{{width / 2}, {0.6f}, {depth / 2}, {0.12f}}}),
+      implicit::Pose{.position = {0, -0.6f, 0}});
   for (int i = 0; i < shown; ++i) {
     const double x = static_cast<double>(kColumnWidth) * (i % kColumns - (kColumns - 1) / 2.0);
-    const double y = static_cast<double>(kRowDepth) * ((rows - 1) / 2.0 - i / kColumns);
+    const double z = static_cast<double>(kRowDepth) * (i / kColumns - (rows - 1) / 2.0);
     for (const sculpt::Mode mode : {sculpt::Mode::Add, sculpt::Mode::Carve}) {
       const bool adds = mode == sculpt::Mode::Add;
-      const DVec3 middle(x, y + (adds ? 1.0 : -1.1), adds ? 0.75 : 0.1);
+      const DVec3 middle(x, adds ? 0.75 : 0.1, z + (adds ? -1.0 : 1.1));
       sculpt::FixedCommand command{.mode = mode};
       if (i == 0)
         command.stamps.push_back({Point(middle), 0.8f});

@@ -28,7 +28,7 @@ namespace {
 // Least cosine between the normals of triangles that count as one smooth face when samples are shared out.
 constexpr double kSmooth = 0.7;
 // Cells of the grid of distances along its longest side.
-constexpr int kLeastCells = 8, kMostCells = 48;
+constexpr int kLeastCells = 24, kMostCells = 48;
 
 double squaredDistance(DVec3 p, DVec3 a, DVec3 b, DVec3 c) {
   // Ericson, "Real-time collision detection", 2005, section 5.1.5: by the region of the triangle that is
@@ -94,26 +94,17 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
   }
 
   [[nodiscard]] bool inside(DVec3 p, double dilation) const {
-    const double c = clearance(p);
+    const double c = knownClearance(p);
     if (c > dilation) return false;
     if (c < 0) return true;
     if (encloses(p)) return true;
     return dilation > 0 && distanceWithin(p, dilation) <= dilation;
   }
-  /// By the grid: what the middle of p's cell knows, less the way there. 0 close to the surface.
   [[nodiscard]] double clearance(DVec3 p) const override {
-    int cell[3];
-    double outside = 0;  // squared distance from the grid's box, which holds the mesh
-    for (int a = 0; a < 3; ++a) {
-      const double at = (p[a] - low_[a]) / cell_;
-      const double beyond = std::max({low_[a] - p[a], p[a] - (low_[a] + cells_[a] * cell_), 0.0});
-      outside += beyond * beyond;
-      cell[a] = static_cast<int>(std::clamp(at, 0.0, static_cast<double>(cells_[a] - 1)));
-    }
-    if (outside > 0) return std::sqrt(outside);
-    const double known = distances_[indexOf(cell[0], cell[1], cell[2])];
-    const double way = length(p - middleOf(cell[0], cell[1], cell[2]));
-    return known > 0 ? std::max(known - way, 0.0) : std::min(known + way, 0.0);
+    const double known = knownClearance(p);
+    if (known != 0) return known;
+    const double distance = std::sqrt(nearest(p, std::numeric_limits<double>::max()).squared);
+    return encloses(p) ? -distance : distance;
   }
   [[nodiscard]] DVec3 outwardNormal(DVec3 p) const override {
     return normals_[nearest(p, std::numeric_limits<double>::max()).triangle];
@@ -182,6 +173,21 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
     return {mesh_.vertices[v[0]], mesh_.vertices[v[1]], mesh_.vertices[v[2]]};
   }
 
+  // By the grid: what the middle of p's cell knows, less the way there. 0 close to the surface.
+  [[nodiscard]] double knownClearance(DVec3 p) const {
+    int cell[3];
+    double outside = 0;  // squared distance from the grid's box, which holds the mesh
+    for (int a = 0; a < 3; ++a) {
+      const double at = (p[a] - low_[a]) / cell_;
+      const double beyond = std::max({low_[a] - p[a], p[a] - (low_[a] + cells_[a] * cell_), 0.0});
+      outside += beyond * beyond;
+      cell[a] = static_cast<int>(std::clamp(at, 0.0, static_cast<double>(cells_[a] - 1)));
+    }
+    if (outside > 0) return std::sqrt(outside);
+    const double known = distances_[indexOf(cell[0], cell[1], cell[2])];
+    const double way = length(p - middleOf(cell[0], cell[1], cell[2]));
+    return known > 0 ? std::max(known - way, 0.0) : std::min(known + way, 0.0);
+  }
   [[nodiscard]] bool encloses(DVec3 p) const {
     // A box of float32 about the ray: widened by what p's rounding takes.
     const auto wide = [](double a, float way) {

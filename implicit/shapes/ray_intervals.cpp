@@ -24,13 +24,31 @@ void appendMarchedIntervals(const Volume& volume, const Ray& ray, std::vector<Ra
   for (int steps = 0; t < end; ++steps) {
     if (steps >= kPatience && (steps - kPatience) % kMorePatience == 0) least *= 2;
     const double next = std::min(t + std::max(std::fabs(distance) / speed, least), end);
+    const double before = distance;
     distance = volume.clearance(ray.at(next));
     if (isInside(next) != inside) {
+      // The distance changes its sign there: false position (the Illinois variant), then halving. Which end
+      // moves is the side test's word.
       double same = t, other = next;
-      for (;;) {
-        const double m = same + (other - same) / 2;
+      double atSame = before, atOther = distance;
+      for (int k = 0;; ++k) {
+        double m = same + (other - same) / 2;
         if (!(m > same && m < other)) break;
-        (isInside(m) == inside ? same : other) = m;
+        if (k < 24 && k % 3 != 2 && (atSame < 0) != (atOther < 0)) {
+          const double guess = same + (other - same) * atSame / (atSame - atOther);
+          if (guess > same && guess < other) m = guess;
+        }
+        const double atM = volume.clearance(ray.at(m));
+        if (isInside(m) == inside) {
+          same = m;
+          atSame = atM;
+          atOther /= 2;
+        } else {
+          other = m;
+          atOther = atM;
+          atSame /= 2;
+        }
+        if (other - same <= (std::fabs(same) + std::fabs(other)) * 0x1p-52) break;
       }
       if (inside)
         intervals.push_back({enter, other});

@@ -1,13 +1,17 @@
 // Surface of revolution whose profile is a clamped uniform cubic B-spline in the half plane (radius, height),
 // from axis to axis. The spline is cut into short stretches along which radius and height only grow or only
 // shrink. Side test: stretches passed on the way straight out from the axis, odd or even. Clearance: the
-// distance to the nearest point of the profile, by Newton's method on stretches that may hold it.
+// distance to the nearest point of the profile, by Newton's method on stretches that may hold it, which a
+// grid over the half plane lists.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "implicit/errors.h"
 #include "implicit/sampling/charts.h"
@@ -72,22 +76,35 @@ class Revolution final : public VolumeOf<Revolution> {
     cutUp(values);
     refuseBadProfiles();
     measure();
+    makeGrid();
   }
 
   [[nodiscard]] bool inside(DVec3 p, double dilation) const {
     const double rho = std::sqrt(p.x * p.x + p.y * p.y);
+    const Known known = knownAt(rho, p.z);
+    if (known.cell == kFar) return known.clearance < 0;
     if (encloses(rho, p.z)) return true;
-    return dilation > 0 && distanceWithin(rho, p.z, dilation) <= dilation;
+    return dilation > 0 && distanceAt(rho, p.z, known.cell) <= dilation;
   }
   [[nodiscard]] double clearance(DVec3 p) const override {
     const double rho = std::sqrt(p.x * p.x + p.y * p.y);
-    const double distance = distanceWithin(rho, p.z, std::numeric_limits<double>::max());
+    const Known known = knownAt(rho, p.z);
+    if (known.cell == kFar) return known.clearance;
+    const double distance = distanceAt(rho, p.z, known.cell);
     return encloses(rho, p.z) ? -distance : distance;
   }
   [[nodiscard]] DVec3 outwardNormal(DVec3 p) const override {
     const double rho = std::sqrt(p.x * p.x + p.y * p.y);
     Place place;
-    (void)nearest(rho, p.z, std::numeric_limits<double>::max(), &place);
+    const Known known = knownAt(rho, p.z);
+    if (known.cell != kFar) {
+      const std::uint32_t from = candidates_[known.cell];
+      (void)nearest({rho, p.z}, std::span(nearby_).subspan(from, candidates_[known.cell + 1] - from), &place);
+    } else {
+      std::vector<std::uint32_t> all(stretches_.size());
+      std::iota(all.begin(), all.end(), 0u);
+      (void)nearest({rho, p.z}, all, &place);
+    }
     const ProfilePoint at = profileAt(place.span, place.t);
     return rho > 0 ? DVec3(at.normalRadius * p.x / rho, at.normalRadius * p.y / rho, at.normalHeight)
                    : DVec3(at.normalRadius, 0, at.normalHeight);
@@ -115,7 +132,10 @@ class Revolution final : public VolumeOf<Revolution> {
     return sampleCharts({&whole, 1}, count);
   }
   [[nodiscard]] std::size_t ownBytes() const override {
-    return spans_.capacity() * sizeof(spans_.front()) + stretches_.capacity() * sizeof(Stretch);
+    std::size_t bytes = rows_.capacity() * sizeof(rows_.front());
+    for (const auto& row : rows_) bytes += row.capacity() * sizeof(std::uint32_t);
+    return bytes + spans_.capacity() * sizeof(spans_.front()) + stretches_.capacity() * sizeof(Stretch) +
+           (distances_.capacity() + candidates_.capacity() + nearby_.capacity()) * sizeof(float);
   }
 
  private:
@@ -237,10 +257,77 @@ class Revolution final : public VolumeOf<Revolution> {
                  .thickness = thickness});
   }
 
+  // What the grid knows of a place: a clearance far from the profile, or the cell whose candidates are near.
+  static constexpr std::size_t kFar = std::numeric_limits<std::size_t>::max();
+  struct Known {
+    double clearance = 0;
+    std::size_t cell = kFar;
+  };
+  [[nodiscard]] Known knownAt(double rho, double z) const {
+    const double r = rho / cell_, h = (z - lowest_) / cell_;
+    if (!(r < across_ && h >= 0 && h < upwards_)) {
+      // Beyond the grid, which goes two cells farther than the profile.
+      const double dr = std::max(rho - (across_ - 2) * cell_, 0.0);
+      const double dz = std::max({lowest_ + 2 * cell_ - z, z - (lowest_ + (upwards_ - 2) * cell_), 0.0});
+      return {std::sqrt(dr * dr + dz * dz), kFar};
+    }
+    const auto column = static_cast<std::size_t>(r), row = static_cast<std::size_t>(h);
+    const std::size_t cell = row * static_cast<std::size_t>(across_) + column;
+    if (candidates_[cell] != candidates_[cell + 1]) return {0, cell};
+    const double dr = rho - (static_cast<double>(column) + 0.5) * cell_,
+                 dz = z - (lowest_ + (static_cast<double>(row) + 0.5) * cell_);
+    const double way = std::sqrt(dr * dr + dz * dz), known = static_cast<double>(distances_[cell]);
+    return {known > 0 ? known - way : known + way, kFar};
+  }
+  void makeGrid() {
+    constexpr double kCells = 64;  // along the longer side
+    double widest = 0, lowest = std::numeric_limits<double>::max(), highest = -lowest;
+    for (const Stretch& s : stretches_) {
+      widest = std::max({widest, s.r0, s.r1});
+      lowest = std::min({lowest, s.z0, s.z1});
+      highest = std::max({highest, s.z0, s.z1});
+    }
+    cell_ = std::max(widest, highest - lowest) / kCells;
+    lowest_ = lowest - 2 * cell_;
+    across_ = std::floor(widest / cell_) + 3;
+    upwards_ = std::floor((highest - lowest) / cell_) + 5;
+    const auto columns = static_cast<std::size_t>(across_), rows = static_cast<std::size_t>(upwards_);
+    const double half = cell_ * 0.7072;
+    for (std::size_t row = 0; row < rows; ++row) {
+      rows_.emplace_back();
+      const double from = lowest_ + (static_cast<double>(row) - 1e-6) * cell_;
+      for (std::uint32_t i = 0; i < stretches_.size(); ++i) {
+        const Stretch& s = stretches_[i];
+        if (std::max(s.z0, s.z1) >= from && std::min(s.z0, s.z1) <= from + (1 + 2e-6) * cell_)
+          rows_.back().push_back(i);
+      }
+    }
+    std::vector<std::uint32_t> all(stretches_.size());
+    std::iota(all.begin(), all.end(), 0u);
+    candidates_.push_back(0);
+    for (std::size_t row = 0; row < rows; ++row)
+      for (std::size_t column = 0; column < columns; ++column) {
+        const double r = (static_cast<double>(column) + 0.5) * cell_,
+                     z = lowest_ + (static_cast<double>(row) + 0.5) * cell_;
+        const double d = nearest({r, z}, all, nullptr);
+        // Rounded towards 0, so that float32 promises no more than was measured.
+        distances_.push_back(static_cast<float>(encloses(r, z) ? -d * (1 - 1e-6) : d * (1 - 1e-6)));
+        if (d <= 2 * half) {
+          const double reach = (d + 2 * half) * (d + 2 * half);
+          for (const std::uint32_t i : all)
+            if (stretches_[i].boxDistanceSquared(r, z) <= reach) nearby_.push_back(i);
+        }
+        candidates_.push_back(static_cast<std::uint32_t>(nearby_.size()));
+      }
+  }
+
   // Odd number of stretches farther from the axis at this height. The boundary counts as inside.
   [[nodiscard]] bool encloses(double rho, double z) const {
+    const double h = (z - lowest_) / cell_;
+    if (!(h >= 0 && h < upwards_)) return false;
     bool odd = false;
-    for (const Stretch& s : stretches_) {
+    for (const std::uint32_t i : rows_[static_cast<std::size_t>(h)]) {
+      const Stretch& s = stretches_[i];
       const double lo = std::min(s.z0, s.z1), hi = std::max(s.z0, s.z1);
       if (lo == hi) {
         if (z == lo && rho >= std::min(s.r0, s.r1) && rho <= std::max(s.r0, s.r1)) return true;
@@ -258,28 +345,41 @@ class Revolution final : public VolumeOf<Revolution> {
     }
     return odd;
   }
-  // The parameter at which a stretch has a height between its ends': halved to double precision.
+  // The parameter at which a stretch has a height between its ends'.
   [[nodiscard]] double heightAt(const Stretch& s, double z) const {
     const Cubic& height = spans_[s.span].second;
     const bool rising = s.z0 < s.z1;
     double lo = s.from, hi = s.to;
-    for (;;) {
-      const double m = lo + (hi - lo) / 2;
-      if (!(m > lo && m < hi)) return lo;
-      ((height.at(m) < z) == rising ? lo : hi) = m;
+    // Newton's method, halving where it would leave the bracket.
+    double t = lo + (hi - lo) * (z - s.z0) / (s.z1 - s.z0);
+    for (int k = 0; k < 64; ++k) {
+      const double error = height.at(t) - z;
+      ((error < 0) == rising ? lo : hi) = t;
+      double next = t - error / height.slope(t);
+      if (!(next > lo && next < hi)) next = lo + (hi - lo) / 2;
+      const bool settled = std::fabs(next - t) <= 1e-16 * (1 + std::fabs(t));
+      t = next;
+      if (settled) break;
     }
+    return t;
   }
 
-  [[nodiscard]] double distanceWithin(double rho, double z, double most) const {
-    return nearest(rho, z, most, nullptr);
+  [[nodiscard]] double distanceAt(double rho, double z, std::size_t cell) const {
+    return nearest({rho, z},
+                   std::span(nearby_).subspan(candidates_[cell], candidates_[cell + 1] - candidates_[cell]),
+                   nullptr);
   }
-  // Distance to the profile if that is at most `most`, else something greater.
-  double nearest(double rho, double z, double most, Place* place) const {
-    double best = most < 1e150 ? most * most * (1 + 1e-12) : std::numeric_limits<double>::max();
+  struct HalfPlanePoint {
+    double rho, z;
+  };
+  // Distance to the nearest of the stretches.
+  double nearest(HalfPlanePoint p, std::span<const std::uint32_t> among, Place* place) const {
+    const auto [rho, z] = p;
+    double best = std::numeric_limits<double>::max();
     // The nearest box first, so that most others are passed over.
-    std::size_t first = 0;
+    std::uint32_t first = among.front();
     double nearestBox = std::numeric_limits<double>::max();
-    for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    for (const std::uint32_t i : among) {
       const double d = stretches_[i].boxDistanceSquared(rho, z);
       if (d < nearestBox) {
         nearestBox = d;
@@ -318,7 +418,7 @@ class Revolution final : public VolumeOf<Revolution> {
       }
     };
     look(stretches_[first]);
-    for (std::size_t i = 0; i < stretches_.size(); ++i)
+    for (const std::uint32_t i : among)
       if (i != first && stretches_[i].boxDistanceSquared(rho, z) < best) look(stretches_[i]);
     return std::sqrt(best);
   }
@@ -345,7 +445,13 @@ class Revolution final : public VolumeOf<Revolution> {
 
   std::vector<std::pair<Cubic, Cubic>> spans_;  // radius and height
   std::vector<Stretch> stretches_;              // in order along the profile
-  double outwards_ = 1;                         // +1 when the profile runs upwards
+  // A grid over the half plane: the signed distance from each cell's middle, the stretches that may be
+  // nearest to places in cells close to the profile, and those that each row of cells crosses.
+  double cell_ = 1, lowest_ = 0, across_ = 0, upwards_ = 0;
+  std::vector<float> distances_;
+  std::vector<std::uint32_t> candidates_, nearby_;
+  std::vector<std::vector<std::uint32_t>> rows_;
+  double outwards_ = 1;  // +1 when the profile runs upwards
 };
 
 }  // namespace

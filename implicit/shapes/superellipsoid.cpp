@@ -36,7 +36,8 @@ class Superellipsoid final : public VolumeOf<Superellipsoid> {
     // The ball within: the ellipsoid is inside when no exponent passes 1, and always the octahedron.
     const double least = std::min({axes_.x, axes_.y, axes_.z});
     const DVec3 inverse = 1.0 / axes_;
-    inner_ = up_ >= 2 && around_ >= 2 ? least : 1 / length(inverse);
+    round_ = up_ >= 2 && around_ >= 2;
+    inner_ = round_ ? least : 1 / length(inverse);
     // The ball around: the ellipsoid is outside when no exponent falls below 1, and always the box.
     const double outer = up_ <= 2 && around_ <= 2 ? std::max({axes_.x, axes_.y, axes_.z}) : length(axes_);
     // Jaklic, Leonardis, Solina, "Segmentation and recovery of superquadrics", 2000, section 2.4.
@@ -48,17 +49,26 @@ class Superellipsoid final : public VolumeOf<Superellipsoid> {
   }
 
   [[nodiscard]] bool inside(DVec3 p, double dilation) const {
-    const double value = valueAt(p).value;
-    if (!(value <= dilation)) return false;
-    return value <= 0 || value <= dilation * length(valueAt(p).gradient);
+    const DVec3 q(std::fabs(p.x / axes_.x), std::fabs(p.y / axes_.y), std::fabs(p.z / axes_.z));
+    // Most points are decided by the box around it and the solid within, without powers.
+    const double beyond = 1 + dilation / inner_;
+    if (q.x > beyond || q.y > beyond || q.z > beyond) return false;
+    if (within(q) < 1 - 1e-9) return true;
+    const double total = totalAt(q);
+    if (total <= 1) return true;
+    if (dilation == 0) return false;
+    const ValueAndGradient at = valueAt(p);
+    return at.value <= dilation * length(at.gradient);
   }
   /// Outside, the distance to the box about it is a second bound.
   [[nodiscard]] double clearance(DVec3 p) const override {
-    const double value = valueOnly(p);
-    if (value <= 0) return value;
     const DVec3 out(std::max(std::fabs(p.x) - axes_.x, 0.0), std::max(std::fabs(p.y) - axes_.y, 0.0),
                     std::max(std::fabs(p.z) - axes_.z, 0.0));
-    return std::max(value, length(out));
+    const double box = length(out);
+    if (box > inner_ / 2) return box;
+    const DVec3 q(std::fabs(p.x / axes_.x), std::fabs(p.y / axes_.y), std::fabs(p.z / axes_.z));
+    if (const double deep = within(q); deep < 0.5) return (deep - 1) * inner_;
+    return std::max((powerOf(totalAt(q), 1 / up_) - 1) * inner_, box > 0 ? box : -inner_);
   }
   [[nodiscard]] DVec3 outwardNormal(DVec3 p) const override {
     const DVec3 g = valueAt(p).gradient;
@@ -89,12 +99,11 @@ class Superellipsoid final : public VolumeOf<Superellipsoid> {
         std::min(p / (p - 1), 64.0);  // beyond, the norm is the greater to 1 %, and larger: a bound
     return most * powerOf(powerOf(a / most, q) + powerOf(b / most, q), 1 / q);
   }
-  // The norm, less 1, scaled so that it changes by at most the distance that p moves.
-  [[nodiscard]] double valueOnly(DVec3 p) const {
-    const double x = std::fabs(p.x / axes_.x), y = std::fabs(p.y / axes_.y), z = std::fabs(p.z / axes_.z);
-    const double round = powerOf(x, around_) + powerOf(y, around_);
-    const double total = powerOf(round, up_ / around_) + powerOf(z, up_);
-    return (powerOf(total, 1 / up_) - 1) * inner_;
+  // A norm that is greater everywhere: of the ellipsoid or the octahedron within.
+  [[nodiscard]] double within(DVec3 q) const { return round_ ? length(q) : q.x + q.y + q.z; }
+  // The norm's power `up_` at a point in units of the axes, none of them negative.
+  [[nodiscard]] double totalAt(DVec3 q) const {
+    return powerOf(powerOf(q.x, around_) + powerOf(q.y, around_), up_ / around_) + powerOf(q.z, up_);
   }
   [[nodiscard]] ValueAndGradient valueAt(DVec3 p) const {
     const double x = std::fabs(p.x / axes_.x), y = std::fabs(p.y / axes_.y), z = std::fabs(p.z / axes_.z);
@@ -114,7 +123,9 @@ class Superellipsoid final : public VolumeOf<Superellipsoid> {
     constexpr int kCells = 48;
     return starShaped(kCells, [this](DVec3 direction) {
       const DVec3 p = direction * axes_;
-      const DVec3 surface = p / (valueOnly(p) / inner_ + 1);
+      const DVec3 surface =
+          p /
+          powerOf(totalAt({std::fabs(direction.x), std::fabs(direction.y), std::fabs(direction.z)}), 1 / up_);
       return SurfaceSample{surface, outwardNormal(surface)};
     });
   }
@@ -122,6 +133,7 @@ class Superellipsoid final : public VolumeOf<Superellipsoid> {
   DVec3 axes_{1};
   double up_ = 2, around_ = 2;  // the powers 2 / e1, 2 / e2: 1 to 20
   double inner_ = 1;            // radius of a ball within
+  bool round_ = true;           // the ellipsoid of the axes is within
 };
 
 }  // namespace

@@ -27,6 +27,7 @@ struct BallArrays {
       r2Drop;  ///< squared radius of the ball that drops older samples, boundary and rounding included
   const PosedVolume* const* volume;  ///< null for a sphere; else what the ball is around, and r2 and r2Drop
                                      ///< mean nothing
+  bool anyVolume;                    ///< is `volume` anywhere not null?
   const std::uint8_t* positive;      ///< 1 adds, 0 carves
   std::uint32_t count;               ///< without the padding
   std::uint32_t earlier;  ///< the first `earlier` of them stand before the sampled primitive in the list, the
