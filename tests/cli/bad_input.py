@@ -93,13 +93,13 @@ class Usage(Case):
                           ["render", log, "--png", self.path("a.png"), "--size", "10"],
                           ["render", log, "--png", self.path("a.png"), "--size", "65536x65536"],
                           ["render", log, "--png", self.path("a.png"), "--renderer", "pencil"],
-                          ["export", log, "--out", self.path("a.stl")], ["export", log, "--out", self.path("a")],
+                          ["export", log, "--out", self.path("a.dxf")], ["export", log, "--out", self.path("a")],
                           ["history", log, "frobnicate"], ["history", log, "undo"], ["history", log, "redo"],
                           ["retarget", log, "--method", "magic", "--out", self.path("b.log")],
                           ["retarget", log, "--base", "teapot.obj", "--out", self.path("b.log")],
                           ["retarget", log, "--base", "sphere:0,0,0,-1", "--out", self.path("b.log")],
                           ["retarget", log, "--base", "sphere:0,0,nan,1", "--out", self.path("b.log")],
-                          ["retarget", log, "--transform", "scale 1 2 1", "--out", self.path("b.log")],
+                          ["retarget", log, "--transform", "scale 1 -2 1", "--out", self.path("b.log")],
                           ["retarget", log, "--transform", "scale 0", "--out", self.path("b.log")],
                           ["retarget", log, "--transform", "rotate 0 0 0 30", "--out", self.path("b.log")],
                           ["retarget", log, "--transform", "shear 1", "--out", self.path("b.log")],
@@ -317,6 +317,11 @@ class Meshes(Case):
         os.remove(mesh)
         for arguments in uses:
             self.assertIn("o.log:1: ", self.refused(*arguments, says="closed.off").stderr)
+
+    def test_a_mesh_is_scaled_evenly_only(self):
+        retarget = self.both(self.file("closed.off", CLOSED))[1]
+        self.refused(*retarget, "--transform", "scale 1 2 1", says="only a sphere")
+        self.accepted(*retarget, "--transform", "scale 2; rotate 0 1 0 30")
 
     def test_a_mesh_cannot_be_swept(self):
         source, mesh = self.file("a.json", pen()), self.file("closed.off", CLOSED)
