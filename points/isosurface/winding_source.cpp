@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <numeric>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -167,8 +168,11 @@ Crossing WindingSource::crossing(Point inside, Point outside) const {
         {DVec3(mesh.vertices[v[0]]), DVec3(mesh.vertices[v[1]]), DVec3(mesh.vertices[v[2]])}, from, along);
     if (hit) hits.push_back(*hit);
   });
-  // Triangles at the same place in the order of the tree's leaves.
-  std::stable_sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.t < b.t; });
+  // Of triangles at the same place the order is that of their normals.
+  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+    return std::tie(a.t, a.normal.x, a.normal.y, a.normal.z) <
+           std::tie(b.t, b.normal.x, b.normal.y, b.normal.z);
+  });
   hits.erase(
       std::unique(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return b.t - a.t <= kSameHit; }),
       hits.end());
