@@ -117,7 +117,7 @@ TEST(Isosurface, CreasesAreKeptToWithinHalfACellAtEveryResolution) {
 TEST(Isosurface, EdgesAndCornersOfBoxesAreKeptToWithinHalfACell) {
   double sum = 0;
   int count = 0;
-  for (std::uint64_t seed = 0; seed < (testing::kSanitized ? 4u : 40u); ++seed) {
+  for (std::uint64_t seed = 0; seed < (restroke::testing::kSanitized ? 4u : 40u); ++seed) {
     const BoxSource box = BoxSource::random(seed, {1, 0.6, 0.35});
     const Isosurface out = isosurfaceOf(box, {.resolution = static_cast<int>(11 + seed % 20)});
     expectSound(out);
@@ -177,7 +177,7 @@ double volumeRatio(const PrimitiveList& list, const Isosurface& out) {
 }
 
 TEST(Isosurface, RandomListsAreSoundAndHaveTheirMonteCarloVolume) {
-  for (std::uint64_t seed = 1; seed <= (testing::kSanitized ? 1u : 3u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (restroke::testing::kSanitized ? 1u : 3u); ++seed) {
     Random random(seed);
     std::vector<Primitive> plain{add({0, 0, 0}, 1)};
     for (int i = 0; i < 150; ++i) plain.push_back(restroke::testing::randomPrimitive(random, plain));

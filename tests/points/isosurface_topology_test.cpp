@@ -96,7 +96,7 @@ TEST(Isosurface, ANeckThroughAnAmbiguousFaceIsATube) {
 class RandomGrids : public ::testing::TestWithParam<BitSource::Crossings> {};
 
 TEST_P(RandomGrids, S13AreClosedManifoldAndDoNotMeetThemselves) {
-  constexpr int kWork = testing::kSanitized ? 4000 : 76'800;
+  constexpr int kWork = restroke::testing::kSanitized ? 4000 : 76'800;
   int grids = 0;
   // Many small ones, some large ones.
   for (int n = 4; n <= 12; ++n)

@@ -99,7 +99,8 @@ class MeshVolumeData : public ::testing::Test {
 };
 
 TEST_F(MeshVolumeData, S13SideTestsAgreeWithTheWindingNumber) {
-  constexpr int kPoints = testing::kSanitized ? 1000 : 100'000, kExact = testing::kSanitized ? 20 : 1000;
+  constexpr int kPoints = restroke::testing::kSanitized ? 1000 : 100'000,
+                kExact = restroke::testing::kSanitized ? 20 : 1000;
   for (const Closed& closed : closedMeshes()) {
     SCOPED_TRACE(closed.name);
     const WindingNumber winding(closed.mesh);
@@ -124,7 +125,7 @@ TEST_F(MeshVolumeData, S13SideTestsAgreeWithTheWindingNumber) {
 }
 
 TEST_F(MeshVolumeData, S4CarvedFromASphereTheListComposesThem) {
-  constexpr int kPoints = testing::kSanitized ? 500 : 10'000;
+  constexpr int kPoints = restroke::testing::kSanitized ? 500 : 10'000;
   for (const Closed& closed : closedMeshes()) {
     SCOPED_TRACE(closed.name);
     const implicit::VolumeMeasures& m = closed.volume->measures();
@@ -168,7 +169,7 @@ TEST_F(MeshVolumeData, S7RayIntervalsAgreeWithDenseSideTests) {
     Random random(23);
     std::vector<RayInterval> in;
     int hits = 0;
-    for (int k = 0; k < (testing::kSanitized ? 10 : 200); ++k) {
+    for (int k = 0; k < (restroke::testing::kSanitized ? 10 : 200); ++k) {
       const DVec3 through = randomAround(random, box);
       DVec3 d = normalized(randomAround(random, box) - through);
       if (k % 5 == 0) d = DVec3(k % 3 == 0, k % 3 == 1, k % 3 == 2);
@@ -280,7 +281,7 @@ void checkRemeshed(const Bad& bad, const TriangleMesh& mesh, const Repaired& rep
 }
 
 TEST_F(MeshVolumeData, S13BadFilesAreRefusedOrRepaired) {
-  if (testing::kSanitized) GTEST_SKIP() << "takes minutes with sanitizers; the plain builds run it";
+  if (restroke::testing::kSanitized) GTEST_SKIP() << "takes minutes with sanitizers; the plain builds run it";
   std::size_t files = 0;
   for (const fs::path& path : filesIn("bad")) {
     ++files;
@@ -317,7 +318,7 @@ TEST_F(MeshVolumeData, S13BadFilesAreRefusedOrRepaired) {
 }
 
 TEST_F(MeshVolumeData, S13TheElephantWithHolesBecomesTheElephant) {
-  if (testing::kSanitized) GTEST_SKIP() << "takes minutes with sanitizers; the plain builds run it";
+  if (restroke::testing::kSanitized) GTEST_SKIP() << "takes minutes with sanitizers; the plain builds run it";
   const TriangleMesh whole = readMesh(dataFolder() / "closed" / "elephant.off");
   const auto truth = solidOf(whole);
   const auto mine = solidOf(repairByWinding(readMesh(dataFolder() / "bad" / "elephant-with-holes.off")).mesh);
