@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "implicit/errors.h"
+#include "implicit/geometry/disjoint_sets.h"
 #include "implicit/geometry/exact_predicates.h"
 #include "implicit/geometry/triangle_tree.h"
 #include "implicit/parallel.h"
@@ -31,23 +32,6 @@ bool isSameEdge(const Side& a, const Side& b) {
   return a.low == b.low && a.high == b.high;
 }
 
-/// Sets of numbers 0 .. n-1 that can be united; the smallest member stands for its set.
-class Sets {
- public:
-  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  [[nodiscard]] std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 template <class Fault>
 void note(MeshFaults::List<Fault>& list, const Fault& fault) {
   if (list.count++ < MeshFaults::kListed) list.first.push_back(fault);
@@ -64,7 +48,7 @@ class Inspector {
     findDegenerate();
     const TriangleTree tree(mesh_);
     const std::vector<Side> sides = sidesInOrder();
-    Sets pieces(mesh_.triangles.size());
+    DisjointSets pieces(mesh_.triangles.size());
     lookAtEdges(sides, pieces);
     lookAtVertices(sides);
     findCrossings(tree);
@@ -131,7 +115,7 @@ class Inspector {
     return sides;
   }
 
-  void lookAtEdges(std::span<const Side> sides, Sets& pieces) {
+  void lookAtEdges(std::span<const Side> sides, DisjointSets& pieces) {
     for (std::size_t first = 0, next = 0; first < sides.size(); first = next) {
       while (next < sides.size() && isSameEdge(sides[first], sides[next])) ++next;
       const auto around = sides.subspan(first, next - first);
@@ -149,7 +133,7 @@ class Inspector {
 
   /// The triangles about a vertex are one fan when their corners there hang together through common edges.
   void lookAtVertices(std::span<const Side> sides) {
-    Sets corners(3 * mesh_.triangles.size());
+    DisjointSets corners(3 * mesh_.triangles.size());
     const auto cornerAt = [&](std::uint32_t t, std::uint32_t v) {
       const auto& triangle = mesh_.triangles[t];
       return 3 * t + (triangle[0] == v ? 0u : triangle[1] == v ? 1u : 2u);
@@ -230,7 +214,7 @@ class Inspector {
   }
 
   /// Shells do not meet here, so that all of a shell is on the same side of each other one.
-  void lookAtShells(const TriangleTree& tree, Sets& pieces) {
+  void lookAtShells(const TriangleTree& tree, DisjointSets& pieces) {
     std::vector<double> six(mesh_.triangles.size());  // of each shell's first triangle: 6 times its volume
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
       const std::uint32_t shell = pieces.find(t);

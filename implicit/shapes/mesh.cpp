@@ -13,10 +13,10 @@
 #include <utility>
 
 #include "implicit/errors.h"
+#include "implicit/geometry/disjoint_sets.h"
 #include "implicit/geometry/exact_predicates.h"
 #include "implicit/geometry/mesh_faults.h"
 #include "implicit/geometry/triangle_tree.h"
-#include "implicit/parallel.h"
 #include "implicit/sampling/poisson.h"
 #include "implicit/shapes/kinds.h"
 #include "implicit/volume.h"
@@ -307,12 +307,7 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
 
   // Regions of triangles that meet smoothly, numbered from 0.
   [[nodiscard]] std::vector<std::uint32_t> smoothRegions() const {
-    std::vector<std::uint32_t> parent(mesh_.triangles.size());
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto rootOf = [&](std::uint32_t t) {
-      while (parent[t] != t) t = parent[t] = parent[parent[t]];
-      return t;
-    };
+    DisjointSets regions(mesh_.triangles.size());
     struct Edge {
       std::uint32_t from, to, triangle;
     };
@@ -328,12 +323,11 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
     for (std::size_t i = 0; i + 1 < edges.size(); ++i)
       if (edges[i].from == edges[i + 1].from && edges[i].to == edges[i + 1].to &&
           dot(normals_[edges[i].triangle], normals_[edges[i + 1].triangle]) > kSmooth)
-        parent[std::max(rootOf(edges[i].triangle), rootOf(edges[i + 1].triangle))] =
-            std::min(rootOf(edges[i].triangle), rootOf(edges[i + 1].triangle));
-    std::vector<std::uint32_t> numbers(parent.size());
+        regions.unite(edges[i].triangle, edges[i + 1].triangle);
+    std::vector<std::uint32_t> numbers(mesh_.triangles.size());
     std::uint32_t count = 0;
-    for (std::uint32_t t = 0; t < parent.size(); ++t) {
-      const std::uint32_t root = rootOf(t);
+    for (std::uint32_t t = 0; t < numbers.size(); ++t) {
+      const std::uint32_t root = regions.find(t);
       numbers[t] = root == t ? count++ : numbers[root];  // a root is the first of its region
     }
     return numbers;

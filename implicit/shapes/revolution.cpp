@@ -98,8 +98,7 @@ class Revolution final : public VolumeOf<Revolution> {
     Place place;
     const Known known = knownAt(rho, p.z);
     if (known.cell != kFar) {
-      const std::uint32_t from = candidates_[known.cell];
-      (void)nearest({rho, p.z}, std::span(nearby_).subspan(from, candidates_[known.cell + 1] - from), &place);
+      (void)nearest({rho, p.z}, nearby(known.cell), &place);
     } else {
       std::vector<std::uint32_t> all(stretches_.size());
       std::iota(all.begin(), all.end(), 0u);
@@ -223,13 +222,22 @@ class Revolution final : public VolumeOf<Revolution> {
            turn(b.r0, b.z0, b.r1, b.z1, a.r0, a.z0) * turn(b.r0, b.z0, b.r1, b.z1, a.r1, a.z1) < 0;
   }
 
-  void measure() {
-    double widest = 0, lowest = std::numeric_limits<double>::max(), highest = -lowest, volume = 0;
+  struct Extent {
+    double widest = 0, lowest = std::numeric_limits<double>::max(), highest = -lowest;
+  };
+  [[nodiscard]] Extent extent() const {
+    Extent e;
     for (const Stretch& s : stretches_) {
-      widest = std::max({widest, s.r0, s.r1});
-      lowest = std::min({lowest, s.z0, s.z1});
-      highest = std::max({highest, s.z0, s.z1});
+      e.widest = std::max({e.widest, s.r0, s.r1});
+      e.lowest = std::min({e.lowest, s.z0, s.z1});
+      e.highest = std::max({e.highest, s.z0, s.z1});
     }
+    return e;
+  }
+
+  void measure() {
+    const auto [widest, lowest, highest] = extent();
+    double volume = 0;
     // pi r^2 dz, a polynomial of eighth degree, by Gauss and Legendre with five points: exact.
     constexpr double kAt[5] = {0.5, 0.23076534494715845, 0.76923465505284155, 0.04691007703066800,
                                0.95308992296933200};
@@ -281,12 +289,7 @@ class Revolution final : public VolumeOf<Revolution> {
   }
   void makeGrid() {
     constexpr double kCells = 64;  // along the longer side
-    double widest = 0, lowest = std::numeric_limits<double>::max(), highest = -lowest;
-    for (const Stretch& s : stretches_) {
-      widest = std::max({widest, s.r0, s.r1});
-      lowest = std::min({lowest, s.z0, s.z1});
-      highest = std::max({highest, s.z0, s.z1});
-    }
+    const auto [widest, lowest, highest] = extent();
     cell_ = std::max(widest, highest - lowest) / kCells;
     lowest_ = lowest - 2 * cell_;
     across_ = std::floor(widest / cell_) + 3;
@@ -364,10 +367,12 @@ class Revolution final : public VolumeOf<Revolution> {
     return t;
   }
 
+  // The stretches that may be nearest to places in a cell close to the profile.
+  [[nodiscard]] std::span<const std::uint32_t> nearby(std::size_t cell) const {
+    return std::span(nearby_).subspan(candidates_[cell], candidates_[cell + 1] - candidates_[cell]);
+  }
   [[nodiscard]] double distanceAt(double rho, double z, std::size_t cell) const {
-    return nearest({rho, z},
-                   std::span(nearby_).subspan(candidates_[cell], candidates_[cell + 1] - candidates_[cell]),
-                   nullptr);
+    return nearest({rho, z}, nearby(cell), nullptr);
   }
   struct HalfPlanePoint {
     double rho, z;
