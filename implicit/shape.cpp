@@ -69,19 +69,7 @@ SampledShape sampled(const Shape& shape, const SampleTable& samples) {
 }
 
 DropBall regionOfNode(const SampledShape& shape, int level, std::uint32_t node) {
-  const PatchTree::Level& l = shape.tree->level[level];
-  const float x = l.x[node], y = l.y[node], z = l.z[node];
-  const float reach = shape.scale * l.radius[node] + 2 * shape.slack;
-  if (!shape.rotations)
-    return {
-        shape.x + shape.scale * x, shape.y + shape.scale * y, shape.z + shape.scale * z, reach, 0, nullptr};
-  const float* m = shape.rotations->scaled;
-  return {shape.x + (m[0] * x + m[1] * y + m[2] * z),
-          shape.y + (m[3] * x + m[4] * y + m[5] * z),
-          shape.z + (m[6] * x + m[7] * y + m[8] * z),
-          reach,
-          0,
-          nullptr};
+  return sphereOfNode(shape, level, node, 2 * shape.slack);
 }
 
 DropBall regionOf(const Shape& shape) {

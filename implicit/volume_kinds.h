@@ -67,9 +67,9 @@ struct VolumeKind {
 /// The kind of that name. Throws InputError that lists the names there are.
 [[nodiscard]] const VolumeKind& volumeKindNamed(std::string_view name);
 
-/// For kinds' `make`: the k-th parameter, a number. Throws InputError unless it is finite and, where `least`
-/// is given, at least that (`Positive`: greater than 0).
-enum class NumberRule : std::uint8_t { Finite, NotNegative, Positive };
+/// For kinds' `make`: the k-th parameter, a number. Throws InputError unless it is finite and follows the
+/// rule.
+enum class NumberRule : std::uint8_t { NotNegative, Positive };
 [[nodiscard]] double numberOf(const VolumeKind& kind, const VolumeParameters& parameters, std::size_t k,
                               NumberRule rule);
 

@@ -9,6 +9,7 @@
 #include "retarget/methods/depth.h"
 #include "retarget/methods/embree.h"
 #include "retarget/methods/exact.h"
+#include "retarget/methods/followers.h"
 
 namespace restroke::retarget {
 namespace {
@@ -17,12 +18,14 @@ struct Entry {
   Method method;
   std::string_view name;
   bool deterministic;
+  bool needsTrail = false;
 };
 constexpr std::array kMethods{
-    Entry{Method::Depth, "depth", false},
-    Entry{Method::DepthCpu, "depth-cpu", true},
-    Entry{Method::Embree, "embree", false},
-    Entry{Method::Exact, "exact", true},
+    Entry{Method::Depth, "depth", false},           Entry{Method::DepthCpu, "depth-cpu", true},
+    Entry{Method::Embree, "embree", false},         Entry{Method::Exact, "exact", true},
+    Entry{Method::Fixed, "fixed", true, true},      Entry{Method::Nearest, "nearest", true, true},
+    Entry{Method::Mapped, "mapped", true, true},    Entry{Method::Surface, "surface", true, true},
+    Entry{Method::Aligned, "aligned", false, true},
 };
 
 const Entry& entryOf(Method method) {
@@ -51,9 +54,15 @@ bool isDeterministic(Method method) {
   return entryOf(method).deterministic;
 }
 
-std::unique_ptr<Caster> makeCaster(Method method, const points::SurfelModel& model, const Camera& camera,
-                                   implicit::Prefix prefix, const Execution& execution) {
-  const CasterInput input{model, camera, prefix, execution};
+bool needsTrail(Method method) {
+  return entryOf(method).needsTrail;
+}
+
+std::optional<Ray> Caster::readsAlong(const StrokePlace&) const {
+  return std::nullopt;
+}
+
+std::unique_ptr<Caster> makeCaster(Method method, const CasterInput& input) {
   switch (method) {
     case Method::Depth:
       return makeDepthCaster(input);
@@ -62,9 +71,22 @@ std::unique_ptr<Caster> makeCaster(Method method, const points::SurfelModel& mod
     case Method::Embree:
       return makeEmbreeCaster(input);
     case Method::Exact:
+    case Method::Aligned:  // the camera is the aligned one already
       return makeExactCaster(input);
+    case Method::Fixed:
+      return makeFixedCaster(input);
+    case Method::Mapped:
+      return makeMappedCaster(input);
+    case Method::Nearest:
+    case Method::Surface:
+      break;
   }
   throw InternalError(fmt::format("method {} has no caster", static_cast<int>(method)));
+}
+
+std::unique_ptr<Caster> makeCaster(Method method, const points::SurfelModel& model, const Camera& camera,
+                                   implicit::Prefix prefix, const Execution& execution) {
+  return makeCaster(method, {.model = model, .camera = camera, .prefix = prefix, .execution = execution});
 }
 
 }  // namespace restroke::retarget

@@ -24,23 +24,29 @@ constexpr double kJumpFootprints =
 
 /// A point of the stroke, given or put between two given ones.
 struct Sample {
-  ScreenPoint screen;
+  retarget::StrokePlace at;
   double pressure = 0;         // 0 to 1
   std::optional<DVec3> place;  // nothing: the ray misses
   DVec3 normal{0, 0, 1};       // of the surface there
+  double scale = 1;            // how much lengths have grown there
 };
 
-/// Radius as pressure has it, in double until a stamp is made.
+/// Radius as pressure and, where the brush follows it, the change of scale have it; in double until a stamp
+/// is made.
 class RadiusRule {
  public:
   explicit RadiusRule(const Brush& brush)
-      : radius_(static_cast<double>(brush.radius)), effect_(static_cast<double>(brush.pressureToRadius)) {}
-  [[nodiscard]] double at(double pressure) const {
-    return radius_ * std::max(kSmallestRadius, (1 - effect_) + effect_ * pressure);
+      : radius_(static_cast<double>(brush.radius)),
+        effect_(static_cast<double>(brush.pressureToRadius)),
+        follows_(brush.radii == Radii::Follow) {}
+  [[nodiscard]] double at(double pressure, double scale) const {
+    const double drawn = radius_ * std::max(kSmallestRadius, (1 - effect_) + effect_ * pressure);
+    return follows_ ? drawn * scale : drawn;
   }
 
  private:
   double radius_, effect_;
+  bool follows_;
 };
 
 /// Nearest multiple of the grid, half to even. The grid is a power of two: dividing and multiplying by it is
@@ -73,7 +79,7 @@ class Stamper {
     ++outcome_.pieces;
     last_ = sample;
     firstOfPiece_ = true;
-    stamp({*sample.place, sample.pressure, sample.normal, right_});
+    stamp({*sample.place, sample.pressure, sample.normal, right_, sample.scale});
     // Its direction is known once the stroke goes on.
   }
   void lineTo(const Sample& sample) {
@@ -88,7 +94,8 @@ class Stamper {
       walked += untilNext_;
       const double s = walked / chordLength;
       stamp({from + s * chord, last_.pressure + s * (sample.pressure - last_.pressure),
-             last_.normal + s * (sample.normal - last_.normal), chord});
+             last_.normal + s * (sample.normal - last_.normal), chord,
+             last_.scale + s * (sample.scale - last_.scale)});
     }
     untilNext_ -= chordLength - walked;
     last_ = sample;
@@ -100,9 +107,10 @@ class Stamper {
     DVec3 place;
     double pressure;
     DVec3 normal, along;
+    double scale;
   };
   void stamp(const Footing& at) {
-    const double radius = rule_.at(at.pressure);
+    const double radius = rule_.at(at.pressure, at.scale);
     untilNext_ = radius * static_cast<double>(brush_.spacing);
     Stamp stamp;
     stamp.center = {static_cast<float>(roundToGrid(at.place.x, grid_)),
@@ -181,17 +189,19 @@ class Walk {
         caster_(caster),
         stamper_(stamper) {}
 
-  [[nodiscard]] Sample sampleAt(ScreenPoint screen, double pressure) {
-    Sample sample{screen, pressure, std::nullopt};
+  [[nodiscard]] Sample sampleAt(const retarget::StrokePlace& at, double pressure) {
+    Sample sample{at, pressure, std::nullopt};
     // A pen that rests sends the same place again and again.
-    if (last_ && last_->screen == screen) {
-      sample.place = last_->place;
-      sample.normal = last_->normal;
+    if (last_ && last_->at.screen == at.screen) {
+      sample = *last_;
+      sample.at = at;
+      sample.pressure = pressure;
       return sample;
     }
-    if (const auto hit = caster_.cast(screen)) {
+    if (const auto hit = caster_.cast(at)) {
       sample.place = DVec3(hit->position);
       sample.normal = DVec3(hit->normal);
+      sample.scale = static_cast<double>(hit->scale);
     }
     return sample;
   }
@@ -224,12 +234,12 @@ class Walk {
   void connect(const Sample& a, const Sample& b) {
     if (!a.place && !b.place) return;
     if (a.place && b.place && isShort(a, b)) return stamper_.lineTo(b);
-    if (isWithinPixel(a.screen, b.screen)) {
+    if (isWithinPixel(a.at.screen, b.at.screen)) {
       if (!b.place) return;  // the piece has ended at a
       return a.place && !isJump(a, b) ? stamper_.lineTo(b) : stamper_.begin(b);
     }
-    const ScreenPoint middle{middleOf(a.screen.x, b.screen.x), middleOf(a.screen.y, b.screen.y)};
-    const Sample m = sampleAt(middle, (a.pressure + b.pressure) / 2);
+    const ScreenPoint middle{middleOf(a.at.screen.x, b.at.screen.x), middleOf(a.at.screen.y, b.at.screen.y)};
+    const Sample m = sampleAt({middle, (a.at.along + b.at.along) / 2}, (a.pressure + b.pressure) / 2);
     connect(a, m);
     connect(m, b);
   }
@@ -241,7 +251,7 @@ class Walk {
     return dx * dx + dy * dy < std::int64_t{kSubPixels} * kSubPixels;
   }
   [[nodiscard]] double radiusBetween(const Sample& a, const Sample& b) const {
-    return std::min(rule_.at(a.pressure), rule_.at(b.pressure));
+    return std::min(rule_.at(a.pressure, a.scale), rule_.at(b.pressure, b.scale));
   }
   [[nodiscard]] bool isShort(const Sample& a, const Sample& b) const {
     return length(*b.place - *a.place) <= chord_ * radiusBetween(a, b);
@@ -250,7 +260,7 @@ class Walk {
   /// than of the way: a pen that is asked ten times as often must not go farther.
   [[nodiscard]] bool isNear(const Sample& a, const Sample& b) const {
     return length(*b.place - *a.place) <= chord_ / 2 * radiusBetween(a, b) ||
-           (isWithinPixel(a.screen, b.screen) && !isJump(a, b));
+           (isWithinPixel(a.at.screen, b.at.screen) && !isJump(a, b));
   }
   [[nodiscard]] bool isJump(const Sample& a, const Sample& b) const {
     const double nearer = std::min(dot(*a.place - frame_.position, frame_.forward),
@@ -278,7 +288,7 @@ bool isPowerOfTwo(float value) {
 
 bool Brush::operator==(const Brush& other) const {
   return radius == other.radius && spacing == other.spacing && pressureToRadius == other.pressureToRadius &&
-         mode == other.mode && trace == other.trace &&
+         mode == other.mode && trace == other.trace && radii == other.radii &&
          (tip == other.tip || (tip && other.tip && &tip->kind() == &other.tip->kind() &&
                                tip->parameters() == other.tip->parameters()));
 }
@@ -309,9 +319,10 @@ StrokeOutcome stampsAlong(const retarget::Stroke& stroke, const Brush& brush, fl
   StrokeOutcome outcome;
   Stamper stamper(brush, grid, frameOf(stroke.camera), outcome);
   Walk walk(stroke.camera, brush, caster, stamper);
-  for (const retarget::StrokePoint& point : stroke.points) {
-    const Sample sample =
-        walk.sampleAt(point.screen, static_cast<double>(point.pressure) / retarget::kMaxPressure);
+  for (std::size_t i = 0; i < stroke.points.size(); ++i) {
+    const retarget::StrokePoint& point = stroke.points[i];
+    const Sample sample = walk.sampleAt({point.screen, static_cast<double>(i)},
+                                        static_cast<double>(point.pressure) / retarget::kMaxPressure);
     if (!sample.place) ++outcome.misses;
     walk.add(sample);
   }
@@ -321,7 +332,7 @@ StrokeOutcome stampsAlong(const retarget::Stroke& stroke, const Brush& brush, fl
 }
 
 std::vector<implicit::Primitive> primitivesOf(const StrokeOutcome& outcome, const Brush& brush) {
-  const auto sign = brush.mode == Mode::Add ? implicit::Sign::Positive : implicit::Sign::Negative;
+  const implicit::Sign sign = signOf(brush.mode);
   const std::vector<Stamp>& stamps = outcome.stamps;
   std::vector<implicit::Primitive> primitives;
   primitives.reserve(stamps.size());

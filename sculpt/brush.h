@@ -15,12 +15,19 @@
 namespace restroke::sculpt {
 
 enum class Mode : std::uint8_t { Add, Carve };
+[[nodiscard]] inline implicit::Sign signOf(Mode mode) {
+  return mode == Mode::Add ? implicit::Sign::Positive : implicit::Sign::Negative;
+}
 
 /// What a stroke leaves behind.
 enum class Trace : std::uint8_t {
   Stamps,  ///< the tip, again and again
   Sweep    ///< what the ball sweeps on its way: round cones from bend to bend
 };
+
+/// What becomes of the radius when the stroke is applied to a shape that has grown or shrunk, where the
+/// method knows by how much (`mapped`, `aligned`, `surface`).
+enum class Radii : std::uint8_t { Keep, Follow };
 
 struct Brush {
   float radius = 0.05f;   ///< model units, > 0, at most kMaxCoordinate
@@ -30,6 +37,7 @@ struct Brush {
   float pressureToRadius = 0;
   Mode mode = Mode::Add;
   Trace trace = Trace::Stamps;
+  Radii radii = Radii::Keep;
   /// The tip, null for a ball. Its frame counts in brush radii, its z axis goes along the surface's normal
   /// and its x axis along the stroke (of one single stamp: to the camera's right). Sweeps have none.
   std::shared_ptr<const implicit::Volume> tip = {};

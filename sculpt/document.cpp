@@ -16,10 +16,6 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-implicit::Sign signOf(Mode mode) {
-  return mode == Mode::Add ? implicit::Sign::Positive : implicit::Sign::Negative;
-}
-
 LogHeader validated(LogHeader header) {
   validate(header, "header");
   return header;

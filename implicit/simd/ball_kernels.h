@@ -71,6 +71,24 @@ struct DropBall {
   const PosedVolume* volume;  ///< null for a sphere
 };
 
+/// Bounding sphere of a node of the shape's tree, widened by the margin. Static: each file has its own, since
+/// code of one instruction set must never be linked into another's caller.
+[[nodiscard]] static inline DropBall sphereOfNode(const SampledShape& shape, int level, std::uint32_t node,
+                                                  float margin) {
+  const PatchTree::Level& l = shape.tree->level[level];
+  const float x = l.x[node], y = l.y[node], z = l.z[node], reach = shape.scale * l.radius[node] + margin;
+  if (!shape.rotations)
+    return {
+        shape.x + shape.scale * x, shape.y + shape.scale * y, shape.z + shape.scale * z, reach, 0, nullptr};
+  const float* m = shape.rotations->scaled;
+  return {shape.x + (m[0] * x + m[1] * y + m[2] * z),
+          shape.y + (m[3] * x + m[4] * y + m[5] * z),
+          shape.z + (m[6] * x + m[7] * y + m[8] * z),
+          reach,
+          0,
+          nullptr};
+}
+
 /// Up to 16 points, and a sphere that holds those in `lanes`.
 struct PointGroup {
   const float *x, *y, *z;

@@ -21,7 +21,8 @@ class DepthCaster final : public Caster {
     RESTROKE_CHECK_EQ(image_.height, camera.height);
   }
 
-  std::optional<SurfaceHit> cast(ScreenPoint p) override {
+  std::optional<SurfaceHit> cast(const StrokePlace& place) override {
+    const ScreenPoint p = place.screen;
     const Pixel pixel{p.x >> 4, p.y >> 4};
     static_assert(kSubPixels == 16);
     const double depth = depthAt(pixel);

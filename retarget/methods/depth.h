@@ -6,7 +6,6 @@
 
 #include "points/images/image.h"
 #include "retarget/method.h"
-#include "retarget/methods/caster_input.h"
 
 namespace restroke::retarget {
 

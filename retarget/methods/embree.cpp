@@ -70,7 +70,8 @@ class EmbreeCaster final : public Caster {
   EmbreeCaster(const EmbreeCaster&) = delete;
   EmbreeCaster& operator=(const EmbreeCaster&) = delete;
 
-  std::optional<SurfaceHit> cast(ScreenPoint p) override {
+  std::optional<SurfaceHit> cast(const StrokePlace& place) override {
+    const ScreenPoint p = place.screen;
     const Ray ray = rayThrough(camera_, p);
     const double directionLength = length(ray.direction);
     RTCRayHit query{};

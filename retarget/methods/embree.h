@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "retarget/method.h"
-#include "retarget/methods/caster_input.h"
 
 namespace restroke::retarget {
 

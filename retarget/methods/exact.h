@@ -5,7 +5,6 @@
 
 #include "implicit/ray_cast.h"
 #include "retarget/method.h"
-#include "retarget/methods/caster_input.h"
 
 namespace restroke::retarget {
 

@@ -36,7 +36,7 @@ TEST(DepthMethod, PutsThePointOnItsOwnRayAtItsPixelsDepth) {
   for (std::int32_t y = 0; y < 4 * kSubPixels; ++y)
     for (std::int32_t x = 0; x < 8 * kSubPixels; ++x) {
       const bool special = x / kSubPixels == 3 && y / kSubPixels == 2;
-      const auto hit = caster->cast({x, y});
+      const auto hit = caster->cast(ScreenPoint{x, y});
       ASSERT_TRUE(hit);
       EXPECT_EQ(hit->position, Point(rayThrough(camera, {x, y}).at(special ? 3 : 2)));
     }
@@ -56,9 +56,9 @@ TEST(DepthMethod, APixelWithoutSurfaceIsAMiss) {
   auto image = imageOf(camera, 2);
   at(image, 5, 1) = kNone;
   const auto caster = makeDepthImageCaster(image, camera);
-  EXPECT_FALSE(caster->cast({5 * 16, 16}));
-  EXPECT_FALSE(caster->cast({5 * 16 + 15, 31}));
-  EXPECT_TRUE(caster->cast({5 * 16 + 16, 16}));
+  EXPECT_FALSE(caster->cast(ScreenPoint{5 * 16, 16}));
+  EXPECT_FALSE(caster->cast(ScreenPoint{5 * 16 + 15, 31}));
+  EXPECT_TRUE(caster->cast(ScreenPoint{5 * 16 + 16, 16}));
 }
 
 TEST(DepthMethod, NormalIsThatOfThePlaneThroughNeighbours) {
@@ -88,7 +88,7 @@ TEST(DepthMethod, ALonePixelLooksBackAtTheCamera) {
   const Camera camera{.width = 3, .height = 3};
   auto image = imageOf(camera, kNone);
   at(image, 1, 1) = 2;
-  const auto hit = makeDepthImageCaster(std::move(image), camera)->cast({24, 24});
+  const auto hit = makeDepthImageCaster(std::move(image), camera)->cast(ScreenPoint{24, 24});
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->normal, Vec3(0, 0, 1));
 }

@@ -97,7 +97,7 @@ TEST(EmbreeMethod, SeesTheBallBehindTheOneThatItStartsIn) {
   model.append({&behind, 1});
   Camera camera = smallCamera();
   camera.position = {0, 0, 0};
-  const auto hit = makeCaster(Method::Embree, model, camera)->cast({2560, 1920});
+  const auto hit = makeCaster(Method::Embree, model, camera)->cast(ScreenPoint{2560, 1920});
   ASSERT_TRUE(hit);
   EXPECT_NEAR(static_cast<double>(hit->position.z), -2, 1e-6);
 }

@@ -26,15 +26,19 @@ TEST(Method, UnknownNameIsRejectedWithTheNames) {
       static_cast<void>(methodNamed(name));
       ADD_FAILURE() << name;
     } catch (const InputError& error) {
-      EXPECT_EQ(
-          std::string(error.what()),
-          "method '" + std::string(name) + "' is not known; the methods are depth, depth-cpu, embree, exact");
+      EXPECT_EQ(std::string(error.what()),
+                "method '" + std::string(name) +
+                    "' is not known; the methods are depth, depth-cpu, embree, exact, "
+                    "fixed, nearest, mapped, surface, aligned");
     }
 }
 
 TEST(Method, DriversAndInstructionSetsMakeOutcomesThatAreRecorded) {
   EXPECT_TRUE(isDeterministic(Method::Exact));
   EXPECT_TRUE(isDeterministic(Method::DepthCpu));
+  for (const Method method : {Method::Fixed, Method::Nearest, Method::Mapped, Method::Surface})
+    EXPECT_TRUE(isDeterministic(method)) << nameOf(method);
+  EXPECT_FALSE(isDeterministic(Method::Aligned));
   EXPECT_FALSE(isDeterministic(Method::Depth));
   EXPECT_FALSE(isDeterministic(Method::Embree));
 }
@@ -61,10 +65,10 @@ TEST(Method, NoneHitsAnEmptyShape) {
   const points::SurfelModel nothing({.density = 500});
   const auto sphere = sphereModel(500);
   for (const Method method : kWithoutOpenGl) {
-    EXPECT_FALSE(makeCaster(method, nothing, smallCamera())->cast({2560, 1920})) << nameOf(method);
-    EXPECT_FALSE(makeCaster(method, sphere, smallCamera(), {.count = 0})->cast({2560, 1920}))
+    EXPECT_FALSE(makeCaster(method, nothing, smallCamera())->cast(ScreenPoint{2560, 1920})) << nameOf(method);
+    EXPECT_FALSE(makeCaster(method, sphere, smallCamera(), {.count = 0})->cast(ScreenPoint{2560, 1920}))
         << nameOf(method);
-    EXPECT_TRUE(makeCaster(method, sphere, smallCamera())->cast({2560, 1920})) << nameOf(method);
+    EXPECT_TRUE(makeCaster(method, sphere, smallCamera())->cast(ScreenPoint{2560, 1920})) << nameOf(method);
   }
 }
 

@@ -30,11 +30,11 @@ class FunctionCaster final : public retarget::Caster {
  public:
   using Surface = std::function<std::optional<DVec3>(const Ray&, ScreenPoint)>;
   FunctionCaster(const Camera& camera, Surface surface) : camera_(camera), surface_(std::move(surface)) {}
-  std::optional<SurfaceHit> cast(ScreenPoint p) override {
+  std::optional<SurfaceHit> cast(const retarget::StrokePlace& place) override {
     ++casts;
-    const auto place = surface_(rayThrough(camera_, p), p);
-    if (!place) return std::nullopt;
-    return SurfaceHit{Point(*place), {0, 0, 1}};
+    const auto hit = surface_(rayThrough(camera_, place.screen), place.screen);
+    if (!hit) return std::nullopt;
+    return SurfaceHit{Point(*hit), {0, 0, 1}};
   }
   std::size_t casts = 0;
 

@@ -1,0 +1,86 @@
+#pragma once
+// The output stroke (SPEC S7, steps 3 to 5): where a stroke met the surface, in object and screen space.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "implicit/primitive.h"
+#include "retarget/method.h"
+
+namespace restroke::retarget {
+
+/// A primitive by where it comes from, which stays the same when the list is made anew: the history node that
+/// made it (0: the base) and which of the node's primitives it is, counted from 0.
+struct OwnerKey {
+  std::uint32_t node = 0;
+  std::uint32_t index = 0;
+  bool operator==(const OwnerKey&) const = default;
+};
+
+/// Where a hit is in the frame of the primitive that it lies on, whatever became of that primitive.
+struct Anchor {
+  OwnerKey owner;
+  /// In the primitive's own frame: of a sphere in radii from its centre.
+  DVec3 place{0};
+  DVec3 normal{0, 0, 1};
+  bool operator==(const Anchor&) const = default;
+};
+
+struct TrailPoint {
+  StrokePlace place;
+  std::optional<SurfaceHit> hit;  ///< nothing: the stroke misses there
+  /// Kept for the method `surface` only.
+  std::optional<Anchor> anchor = {};
+};
+
+/// Places in order along the stroke, no two at the same `along`. Input points are at whole numbers, but where
+/// a pen rested only the first of equal neighbours may be there.
+struct Trail {
+  std::vector<TrailPoint> points;
+
+  /// The trail at a place: a point of it, or between two hits their mean, weighted by nearness along the
+  /// stroke (normals of unit length; primitive and anchor those of the nearer). Nothing where one of the two
+  /// misses, or beyond the ends. O(log points).
+  [[nodiscard]] std::optional<TrailPoint> at(double along) const;
+};
+
+/// Answers as another caster does, and keeps what was asked and answered.
+class TrailRecorder final : public Caster {
+ public:
+  explicit TrailRecorder(Caster& caster) : caster_(caster) {}
+  std::optional<SurfaceHit> cast(const StrokePlace& place) override;
+  std::optional<Ray> readsAlong(const StrokePlace& place) const override { return caster_.readsAlong(place); }
+  /// In order along the stroke, each place once.
+  [[nodiscard]] Trail take();
+
+ private:
+  Caster& caster_;
+  Trail trail_;
+};
+
+/// Where primitives are now.
+class Owners {
+ public:
+  virtual ~Owners() = default;
+  /// Null when the node is not part of the shape any more, or makes fewer primitives than it did.
+  [[nodiscard]] virtual const implicit::Primitive* find(OwnerKey owner) const = 0;
+};
+
+/// Answers from an original trail that something carries along: `carry` says where a point of it is now. The
+/// base of `fixed`, `nearest`, `surface`, and of `mapped` where the map is not affine.
+class TrailCaster : public Caster {
+ public:
+  explicit TrailCaster(const Trail& original) : original_(original) {}
+  std::optional<SurfaceHit> cast(const StrokePlace& place) final;
+
+ protected:
+  /// `point` is a hit.
+  [[nodiscard]] virtual std::optional<SurfaceHit> carry(const TrailPoint& point) const = 0;
+
+ private:
+  const Trail& original_;
+};
+
+}  // namespace restroke::retarget
