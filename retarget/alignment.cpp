@@ -21,6 +21,7 @@ namespace {
 using alignment::Cloud;
 using alignment::Effort;
 using alignment::Matcher;
+using alignment::Sampling;
 
 constexpr std::size_t kFewest = 50;
 
@@ -66,16 +67,29 @@ std::vector<Candidate> search(const Matcher& matcher, const std::vector<Similari
                               std::span<const Stage> stages) {
   std::vector<Candidate> candidates;
   for (const Similarity& start : starts) candidates.push_back({start, 0});
-  for (std::size_t k = 0; k < stages.size(); ++k) {
-    const bool isLast = k + 1 == stages.size();
+  for (const Stage& stage : stages) {
     for (Candidate& c : candidates) {
-      c.motion = matcher.refined(c.motion, stages[k].effort);
-      c.score = isLast ? rmsOf(matcher.squaredErrors(c.motion, stages[k].effort.points))
-                       : matcher.roughScore(c.motion, stages[k].effort.points);
+      c.motion = matcher.refined(c.motion, stage.effort);
+      c.score = matcher.roughScore(c.motion, stage.effort);
     }
-    candidates = best(matcher, std::move(candidates), stages[k].kept);
+    candidates = best(matcher, std::move(candidates), stage.kept);
   }
   return candidates;
+}
+
+/// The candidates with all points. Only those that come near to the best are worth the last digits.
+std::vector<Candidate> finished(const Matcher& matcher, std::vector<Candidate> candidates, std::size_t points) {
+  const Effort half{points / 4, 8, Sampling::Fine}, full{points, 20, Sampling::Fine};
+  const auto improve = [&](Candidate& c, const Effort& effort) {
+    c.motion = matcher.refined(c.motion, effort);
+    c.score = rmsOf(matcher.squaredErrors(c.motion, full));
+  };
+  for (Candidate& c : candidates) improve(c, half);
+  candidates = best(matcher, std::move(candidates), candidates.size());
+  const double least = candidates.front().score;
+  for (Candidate& c : candidates)
+    if (c.score < 4 * least) improve(c, full);
+  return best(matcher, std::move(candidates), candidates.size());
 }
 
 /// From the clouds' coordinates to the model's.
@@ -185,12 +199,13 @@ Alignment alignSurfels(std::span<const OrientedPoint> before, std::span<const Or
   const Cloud to = alignment::cloudOf(after, {points, 10 * points}, options.seed + 1);
   const bool isWhole = options.mode == AlignmentMode::Whole;
   const Matcher matcher(from, to, options.mode);
+  constexpr std::array kWholeStages{Stage{{80, 6}, 12}, Stage{{300, 8}, 4}};
+  constexpr std::array kPatchStages{Stage{{40, 0}, 400}, Stage{{60, 4}, 60}, Stage{{200, 6}, 12}, Stage{{500, 10}, 4}};
   const std::vector<Candidate> found =
-      isWhole ? search(matcher, alignment::wholeStarts(from, to),
-                       std::array{Stage{{100, 8}, 12}, Stage{{400, 8}, 4}, Stage{{points, 20}, 4}})
-              : search(matcher, alignment::patchStarts(from, to),
-                       std::array{Stage{{40, 0}, 400}, Stage{{60, 4}, 60}, Stage{{200, 6}, 12}, Stage{{600, 10}, 4},
-                                  Stage{{points, 20}, 4}});
+      finished(matcher,
+               isWhole ? search(matcher, alignment::wholeStarts(from, to), kWholeStages)
+                       : search(matcher, alignment::patchStarts(from, to), kPatchStages),
+               points);
   Candidate chosen = found.front();
   // Of those that fit alike the smallest motion: what did not move should stay.
   const Similarity identity = alignment::identityBetween(from, to);
@@ -201,7 +216,7 @@ Alignment alignSurfels(std::span<const OrientedPoint> before, std::span<const Or
   out.motion = inModel(chosen.motion, from, to);
   out.relativeRms = chosen.score;
   out.rms = chosen.score * from.radius * out.motion.scale;
-  out.firmness = matcher.firmness(chosen.motion, points);
+  out.firmness = matcher.firmness(chosen.motion, {points, 0, Sampling::Fine});
   out.rivalRatio = found.size() > 1 ? found[1].score / std::max(found[0].score, 1e-12)
                                     : std::numeric_limits<double>::infinity();
   judge(out);

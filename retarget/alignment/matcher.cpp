@@ -9,13 +9,14 @@ namespace {
 /// Opposite normals are as far apart as this many RMS radii: in a search from afar, direction counts as much as
 /// place; near the end it only keeps the two sides of a thin wall apart.
 constexpr double kNormalWeight = 0.3;
+constexpr float kCoarseSlack = 0.5f;
 constexpr double kLeastCosine = 0.5;
 
 /// Tukey's loss ends at this many (robust) standard deviations, and never under the resolution that the last
 /// rounds need.
 constexpr double kCutoff = 4.685;
 constexpr double kLeastDeviation = 2e-5;
-constexpr double kConverged = 1e-7;  // in RMS radii
+constexpr double kConverged = 1e-6;  // in RMS radii
 
 void weighRobustly(std::vector<Match>& matches, double radius) {
   std::vector<double> sizes;
@@ -38,17 +39,24 @@ void weighRobustly(std::vector<Match>& matches, double radius) {
 Matcher::Matcher(const Cloud& before, const Cloud& after, AlignmentMode mode)
     : before_(before),
       after_(after),
-      bothWays_(mode == AlignmentMode::Whole),
-      nearestAfter_(after.samples, kNormalWeight * (bothWays_ ? 1.0 : before.radius / after.radius)),
-      nearestBefore_(bothWays_ ? std::span<const Sample>(before.samples) : std::span<const Sample>(),
-                     kNormalWeight) {}
+      nearestAfter_(
+          treesOf(after, kNormalWeight * (mode == AlignmentMode::Whole ? 1.0 : before.radius / after.radius))) {
+  if (mode == AlignmentMode::Whole) nearestBefore_.emplace(treesOf(before, kNormalWeight));
+}
+
+Matcher::Trees Matcher::treesOf(const Cloud& cloud, double normalWeight) {
+  const std::span<const Sample> all(cloud.samples);
+  return {NearestSamples(all.first(cloud.spread), normalWeight), NearestSamples(all, normalWeight)};
+}
 
 StepFrame Matcher::frameOf(const Similarity& motion) const {
   return {motion.translation, motion.scale};  // centroid 0 and RMS radius 1, moved
 }
 
-void Matcher::match(const Similarity& motion, std::size_t points, std::vector<Match>& matches) const {
+void Matcher::match(const Similarity& motion, const Effort& effort, std::vector<Match>& matches) const {
   matches.clear();
+  const auto tree = static_cast<std::size_t>(effort.sampling);
+  const float slack = effort.sampling == Sampling::Coarse ? kCoarseSlack : 0.0f;
   NearestSamples::Answer answer;
   std::vector<Sample> queries;
   const auto add = [&](const Sample& from, const Sample& to) {
@@ -60,20 +68,20 @@ void Matcher::match(const Similarity& motion, std::size_t points, std::vector<Ma
   const auto image = [&](const Sample& s) {
     return Sample{moved(motion, s.position), turned(motion.rotation, s.normal)};
   };
-  const std::size_t forward = std::min(points, before_.spread);
+  const std::size_t forward = std::min(effort.points, before_.spread);
   for (std::size_t k = 0; k < forward; ++k) queries.push_back(image(before_.samples[k]));
-  nearestAfter_.find(queries, answer);
+  nearestAfter_[tree].find(queries, slack, answer);
   for (std::size_t k = 0; k < forward; ++k) add(queries[k], after_.samples[answer.index[k]]);
-  if (!bothWays_) return;
+  if (!nearestBefore_) return;
 
   const Similarity back = inverted(motion);
-  const std::size_t backward = std::min(points, after_.spread);
+  const std::size_t backward = std::min(effort.points, after_.spread);
   queries.clear();
   for (std::size_t k = 0; k < backward; ++k) {
     const Sample& s = after_.samples[k];
     queries.push_back({moved(back, s.position), turned(back.rotation, s.normal)});
   }
-  nearestBefore_.find(queries, answer);
+  (*nearestBefore_)[tree].find(queries, slack, answer);
   for (std::size_t k = 0; k < backward; ++k) add(image(before_.samples[answer.index[k]]), after_.samples[k]);
 }
 
@@ -81,7 +89,7 @@ Similarity Matcher::refined(const Similarity& start, const Effort& effort) const
   Similarity motion = start;
   std::vector<Match> matches;
   for (int round = 0; round < effort.rounds; ++round) {
-    match(motion, effort.points, matches);
+    match(motion, effort, matches);
     weighRobustly(matches, motion.scale);
     const Similarity step = fittingStep(matches, frameOf(motion), 2);
     const Similarity next = composed(step, motion);
@@ -94,9 +102,9 @@ Similarity Matcher::refined(const Similarity& start, const Effort& effort) const
   return motion;
 }
 
-std::vector<double> Matcher::squaredErrors(const Similarity& motion, std::size_t points) const {
+std::vector<double> Matcher::squaredErrors(const Similarity& motion, const Effort& effort) const {
   std::vector<Match> matches;
-  match(motion, points, matches);
+  match(motion, effort, matches);
   std::vector<double> errors;
   errors.reserve(matches.size());
   for (const Match& m : matches) {
@@ -106,9 +114,9 @@ std::vector<double> Matcher::squaredErrors(const Similarity& motion, std::size_t
   return errors;
 }
 
-double Matcher::roughScore(const Similarity& motion, std::size_t points) const {
+double Matcher::roughScore(const Similarity& motion, const Effort& effort) const {
   std::vector<Match> matches;
-  match(motion, points, matches);
+  match(motion, effort, matches);
   double sum = 0;
   for (const Match& m : matches) {
     if (!(m.weight > 0)) {
@@ -121,9 +129,9 @@ double Matcher::roughScore(const Similarity& motion, std::size_t points) const {
   return sum / static_cast<double>(matches.size());
 }
 
-double Matcher::firmness(const Similarity& motion, std::size_t points) const {
+double Matcher::firmness(const Similarity& motion, const Effort& effort) const {
   std::vector<Match> matches;
-  match(motion, points, matches);
+  match(motion, effort, matches);
   return firmnessOf(matches, frameOf(motion));
 }
 

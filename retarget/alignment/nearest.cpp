@@ -41,7 +41,7 @@ NearestSamples::~NearestSamples() = default;
 NearestSamples::NearestSamples(NearestSamples&&) noexcept = default;
 NearestSamples& NearestSamples::operator=(NearestSamples&&) noexcept = default;
 
-void NearestSamples::find(std::span<const Sample> queries, Answer& answer) const {
+void NearestSamples::find(std::span<const Sample> queries, float slack, Answer& answer) const {
   std::vector<float> features = featuresOf(queries, tree_->normalWeight);
   answer.index.resize(queries.size());
   answer.squaredDistance.resize(queries.size());
@@ -49,7 +49,7 @@ void NearestSamples::find(std::span<const Sample> queries, Answer& answer) const
   const flann::Matrix<float> asked(features.data(), queries.size(), kDimensions);
   flann::Matrix<std::size_t> indices(answer.index.data(), queries.size(), 1);
   flann::Matrix<float> distances(answer.squaredDistance.data(), queries.size(), 1);
-  flann::SearchParams parameters(flann::FLANN_CHECKS_UNLIMITED, 0.0f, false);
+  flann::SearchParams parameters(flann::FLANN_CHECKS_UNLIMITED, slack, false);
   parameters.use_heap = flann::FLANN_False;
   tree_->index.knnSearch(asked, indices, distances, 1, parameters);
 }

@@ -10,8 +10,8 @@
 namespace restroke::retarget::alignment {
 
 /// Answers which sample lies nearest to a place and direction, by the distance
-/// sqrt(|position difference|^2 + weight^2 |normal difference|^2). The exact nearest, in float32; of equal ones
-/// always the same.
+/// sqrt(|position difference|^2 + weight^2 |normal difference|^2). In float32; of equal ones always the
+/// same.
 class NearestSamples {
  public:
   NearestSamples(std::span<const Sample> samples, double normalWeight);
@@ -23,8 +23,9 @@ class NearestSamples {
     std::vector<std::size_t> index;
     std::vector<float> squaredDistance;
   };
-  /// The nearest sample of each query. O(log samples) each where samples are near.
-  void find(std::span<const Sample> queries, Answer& answer) const;
+  /// A sample for each query that is at most 1 + slack times as far as the nearest. O(log samples) each where samples are
+  /// near.
+  void find(std::span<const Sample> queries, float slack, Answer& answer) const;
 
  private:
   struct Tree;
