@@ -43,8 +43,8 @@ class SurfelModel {
   /// Takes out the primitives at positions first .. first + count - 1.
   void remove(std::size_t first, std::size_t count, const Execution& execution = {});
   /// Many insertions and removals at once: until endEdits they change the list only, so that what several of
-  /// them touch is evaluated once. In between, ask for surfels with a prefix (which are evaluated then), for no
-  /// count and no hash. The result is the same.
+  /// them touch is evaluated once. In between, ask for surfels with a prefix (which are evaluated then), for
+  /// no count and no hash. The result is the same.
   void beginEdits();
   void endEdits(const Execution& execution = {});
   /// Forgets all surfels and evaluates every sample anew. Changes no result; for measurements and tests.

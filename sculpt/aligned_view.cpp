@@ -28,8 +28,7 @@ constexpr double kOtherSamples = 5300;
 
 std::vector<OrientedPoint> samplesOf(const implicit::Shape& shape, double count) {
   const double density = count / implicit::areaOf(shape);
-  points::SurfelModel model({.density = static_cast<float>(density)},
-                            {.cell = 0.2f * shape.ball().radius});
+  points::SurfelModel model({.density = static_cast<float>(density)}, {.cell = 0.2f * shape.ball().radius});
   const implicit::Primitive primitive{shape, implicit::Sign::Positive};
   model.append({&primitive, 1}, {.threads = 1});
   return retarget::orientedPoints(model.surfels({.threads = 1}));
@@ -73,10 +72,10 @@ AlignedView alignedView(const Original& original, const StrokeCommand& stroke, c
   const Camera& camera = stroke.stroke.camera;
   std::string reason;
   if (original.base != site.base) {
-    const auto whole = retarget::alignSurfels(
-        samplesOf(source.bases.shapeOf(source.history, original.base), kBaseSamples),
-        samplesOf(source.bases.shapeOf(source.history, site.base), kOtherSamples),
-        {.mode = AlignmentMode::Whole});
+    const auto whole =
+        retarget::alignSurfels(samplesOf(source.bases.shapeOf(source.history, original.base), kBaseSamples),
+                               samplesOf(source.bases.shapeOf(source.history, site.base), kOtherSamples),
+                               {.mode = AlignmentMode::Whole});
     if (whole.verdict == AlignmentVerdict::Found) return along(whole, camera);
     reason = fmt::format("the base: {}; ", whole.reason);
   }
@@ -84,9 +83,10 @@ AlignedView alignedView(const Original& original, const StrokeCommand& stroke, c
       retarget::alignSurfels(original.patch, surfelsBefore(site), {.mode = AlignmentMode::Patch});
   if (patch.verdict == AlignmentVerdict::Found) return along(patch, camera);
   return {camera, 1,
-          fmt::format("aligned: no motion is known, so the stroke is cast from its own camera ({}the patch around "
-                      "it: {})",
-                      reason, patch.reason)};
+          fmt::format(
+              "aligned: no motion is known, so the stroke is cast from its own camera ({}the patch around "
+              "it: {})",
+              reason, patch.reason)};
 }
 
 }  // namespace restroke::sculpt

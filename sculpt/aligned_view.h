@@ -1,5 +1,6 @@
 #pragma once
-// The camera of a stroke whose method is `aligned`, moved along with the part that it was drawn on (SPEC S10).
+// The camera of a stroke whose method is `aligned`, moved along with the part that it was drawn on (SPEC
+// S10).
 
 #include <string>
 #include <vector>
@@ -25,8 +26,8 @@ struct BaseSource {
 };
 
 /// Where the base has become another one: the motion of the whole base. Else, and where the base's motion is
-/// not to be found: that of the patch around the stroke, on the shape before it. Depends on a numerical solver,
-/// and is therefore recorded.
+/// not to be found: that of the patch around the stroke, on the shape before it. Depends on a numerical
+/// solver, and is therefore recorded.
 [[nodiscard]] AlignedView alignedView(const Original& original, const StrokeCommand& stroke,
                                       const StrokeSite& site, const BaseSource& bases);
 

@@ -56,8 +56,8 @@ std::optional<Turned> similarityOf(const Matrix& m) {
   const DVec3 a = column(m, 0), b = column(m, 1), c = column(m, 2);
   const double square = (dot(a, a) + dot(b, b) + dot(c, c)) / 3;
   const double limit = kSame * square;
-  for (const double off : {dot(a, b), dot(b, c), dot(c, a), dot(a, a) - square, dot(b, b) - square,
-                           dot(c, c) - square})
+  for (const double off :
+       {dot(a, b), dot(b, c), dot(c, a), dot(a, a) - square, dot(b, b) - square, dot(c, c) - square})
     if (!(std::fabs(off) <= limit)) return std::nullopt;
   Turned turned;
   turned.scale = std::sqrt(square);
@@ -275,7 +275,8 @@ implicit::Shape mappedShape(const implicit::Shape& shape, const Affine& map, con
     return mapped;
   } catch (const InputError& error) {
     const std::string_view sentence = error.what();
-    throw InputError(sentence.starts_with(where) ? std::string(sentence) : fmt::format("{}: {}", where, sentence));
+    throw InputError(sentence.starts_with(where) ? std::string(sentence)
+                                                 : fmt::format("{}: {}", where, sentence));
   }
 }
 

@@ -65,8 +65,8 @@ struct BaseCommand : Consequences {
   implicit::Shape base;
 };
 
-/// The base moved, turned, scaled, sheared. A node of the tree. Numbers are float32, since that is what the log
-/// holds.
+/// The base moved, turned, scaled, sheared. A node of the tree. Numbers are float32, since that is what the
+/// log holds.
 struct TransformCommand : Consequences {
   std::array<float, 12> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  ///< 3 x 4, rows first; model units
 };
@@ -94,8 +94,9 @@ struct CopyCommand {
   Extent extent = Extent::Branch;
 };
 
-using Command = std::variant<StrokeCommand, FixedCommand, BaseCommand, TransformCommand, UndoCommand, RedoCommand,
-                             GotoCommand, CancelCommand, RestoreCommand, MoveCommand, CopyCommand>;
+using Command =
+    std::variant<StrokeCommand, FixedCommand, BaseCommand, TransformCommand, UndoCommand, RedoCommand,
+                 GotoCommand, CancelCommand, RestoreCommand, MoveCommand, CopyCommand>;
 
 /// Whether the command is a node of the tree: what changes the shape. The others edit the tree, or move its
 /// cursor.

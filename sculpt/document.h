@@ -27,8 +27,8 @@ struct DocumentOptions {
 
 /// What applying one command did.
 struct CommandReport {
-  NodeId node = kRootNode;  ///< the new node; for undo the one left, for redo and goto the one reached; else the
-                            ///< one that was edited
+  NodeId node = kRootNode;  ///< the new node; for undo the one left, for redo and goto the one reached; else
+                            ///< the one that was edited
   std::size_t primitivesAdded = 0;
   std::size_t primitivesRemoved = 0;
   std::size_t misses = 0;       ///< input points whose rays miss the shape, of strokes that were cast
@@ -48,8 +48,8 @@ struct CommandReport {
 
 /// Keeps nothing but the history, the model of the shape at the cursor, and what each stroke on it read:
 /// whatever undo, redo and branching need is made again from the strokes. When something before a stroke
-/// changes, the stroke is cast anew from its original input if it read what has changed, and what follows it in
-/// turn; the result is the one that a replay of everything gives (SPEC S7; DESIGN invariant 6).
+/// changes, the stroke is cast anew from its original input if it read what has changed, and what follows it
+/// in turn; the result is the one that a replay of everything gives (SPEC S7; DESIGN invariant 6).
 class Document {
  public:
   /// Throws InputError when the header breaks a rule of sculpt/README.md.

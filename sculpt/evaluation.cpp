@@ -112,7 +112,7 @@ AppliedStroke Evaluation::first(const StrokeCommand& stroke, const StrokeSite& s
   if (stroke.method == Method::Surface) {
     const ListOwners owners(site);
     retarget::setAnchors(original->trail, site.model.list(),
-                     [&](implicit::PrimitiveId id) { return owners.keyOf(id); });
+                         [&](implicit::PrimitiveId id) { return owners.keyOf(id); });
   }
   if (stroke.method == Method::Aligned) {
     original->patch = patchBefore(original->trail, stroke.brush, site);
@@ -160,7 +160,8 @@ AppliedStroke Evaluation::recordedOrCast(NodeId node, const StrokeCommand& strok
       return applied;
     }
     if (node != kRootNode)
-      if (const auto kept = history_.keptRecast(node); kept && kept->shapeBefore == before && kept->recast.outcome) {
+      if (const auto kept = history_.keptRecast(node);
+          kept && kept->shapeBefore == before && kept->recast.outcome) {
         use(*kept->recast.outcome);
         return applied;
       }
@@ -180,7 +181,8 @@ AppliedStroke Evaluation::aligned(NodeId node, const StrokeCommand& stroke, cons
   if (!shortcuts.recompute) {
     if (shortcuts.recorded && shortcuts.recorded->camera) recast = *shortcuts.recorded;
     if (!recast)
-      if (const auto kept = history_.keptRecast(node); kept && kept->shapeBefore == before && kept->recast.camera)
+      if (const auto kept = history_.keptRecast(node);
+          kept && kept->shapeBefore == before && kept->recast.camera)
         recast = kept->recast;
   }
   if (!recast) {

@@ -1,7 +1,7 @@
 #pragma once
 // One stroke applied to the shape before it (SPEC S7): cast for the first time, found again where it was
-// recorded, or retargeted from where it was. A pure function of the history and of the list before the stroke,
-// but for what depends on the machine, which comes back to be recorded.
+// recorded, or retargeted from where it was. A pure function of the history and of the list before the
+// stroke, but for what depends on the machine, which comes back to be recorded.
 
 #include <memory>
 #include <span>
@@ -19,7 +19,7 @@ namespace restroke::sculpt {
 /// What a node has put on the list.
 struct PlacedNode {
   NodeId node = kRootNode;
-  std::uint32_t count = 0;              ///< primitives
+  std::uint32_t count = 0;                  ///< primitives
   std::unique_ptr<StrokeReads> reads = {};  ///< null for fixed stamps
 };
 

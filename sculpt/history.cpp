@@ -12,6 +12,9 @@ namespace restroke::sculpt {
 
 namespace {
 
+constexpr int kKindShift = 56;
+constexpr std::uint64_t kOffsetMask = (std::uint64_t{1} << kKindShift) - 1;
+
 // First byte of fixed stamps that carve, and flags of a packed recast. A stroke has its method there.
 constexpr std::uint8_t kCarves = 1, kHasOutcome = 1, kHasCamera = 2;
 
@@ -121,8 +124,7 @@ void History::packStroke(const StrokeCommand& drawn, std::vector<std::uint8_t>& 
   out.push_back(static_cast<std::uint8_t>(drawn.method));
   putCount(out, shared(cameras_, drawn.stroke.camera));
   putCount(out, shared(brushes_, drawn.brush));
-  retarget::encodePoints(drawn.stroke.points, out,
-                         {.time = options_.times, .pressure = options_.pressures});
+  retarget::encodePoints(drawn.stroke.points, out, {.time = options_.times, .pressure = options_.pressures});
 }
 
 StrokeCommand History::unpackStroke(std::span<const std::uint8_t> in) const {
@@ -196,7 +198,7 @@ NodeId History::add(const Command& command, NodeResult result) {
   const std::uint64_t offset = packed_.size();
   packed_.insert(packed_.end(), packed.begin(), packed.end());
   const NodeId node = tree_.add();
-  records_.push_back({.result = result, .offset = offset, .kind = static_cast<std::uint64_t>(kind)});
+  records_.push_back({result, offset | static_cast<std::uint64_t>(kind) << kKindShift});
   if (const auto* drawn = std::get_if<StrokeCommand>(&command); drawn && drawn->outcome)
     keepRecast({.recast = {.node = node, .outcome = drawn->outcome}});
   return node;
@@ -244,13 +246,13 @@ void History::restoreTree(const HistoryTree& tree) {
 
 NodeKind History::kind(NodeId node) const {
   RESTROKE_CHECK_LT(std::uint32_t{0}, indexOf(node));
-  return static_cast<NodeKind>(records_[indexOf(node)].kind);
+  return static_cast<NodeKind>(records_[indexOf(node)].place >> kKindShift);
 }
 
 std::span<const std::uint8_t> History::packed(NodeId node) const {
   RESTROKE_CHECK_LT(std::uint32_t{0}, indexOf(node));
   RESTROKE_CHECK_LT(std::size_t{indexOf(node)}, records_.size());
-  return std::span(packed_).subspan(records_[indexOf(node)].offset);
+  return std::span(packed_).subspan(records_[indexOf(node)].place & kOffsetMask);
 }
 
 Command History::command(NodeId node) const {

@@ -1,6 +1,6 @@
 #pragma once
-// The history with its strokes packed: all that is held in memory to undo, redo, branch and retarget (SPEC S5,
-// S6, S8).
+// The history with its strokes packed: all that is held in memory to undo, redo, branch and retarget (SPEC
+// S5, S6, S8).
 
 #include <cstddef>
 #include <cstdint>
@@ -36,8 +36,8 @@ struct NodeResult {
 
 enum class NodeKind : std::uint8_t { Stroke, Fixed, Base, Transform };
 
-/// What a stroke became, for methods whose result depends on the machine: used again while the shape before it
-/// is the same.
+/// What a stroke became, for methods whose result depends on the machine: used again while the shape before
+/// it is the same.
 struct KeptRecast {
   std::uint64_t shapeBefore = 0;  ///< hash of the list that it was cast on
   Recast recast;
@@ -59,8 +59,8 @@ class History {
 
   [[nodiscard]] const HistoryTree& tree() const { return tree_; }
 
-  /// Packs a command that is a node as a new child of the cursor, and moves the cursor there. Anything else is
-  /// an InternalError. O(points).
+  /// Packs a command that is a node as a new child of the cursor, and moves the cursor there. Anything else
+  /// is an InternalError. O(points).
   NodeId add(const Command& command, NodeResult result = {});
   /// Carries out a command that edits the tree or moves its cursor; anything else is an InternalError. Throws
   /// InputError, and then nothing has changed.
@@ -100,8 +100,7 @@ class History {
  private:
   struct Record {
     NodeResult result;
-    std::uint64_t offset : 60 = 0;  // of its command in packed_
-    std::uint64_t kind : 4 = 0;
+    std::uint64_t place = 0;  // of its command in packed_; its kind in the top byte
   };
   static_assert(sizeof(Record) == 16);
   template <class T>

@@ -10,6 +10,7 @@ namespace restroke::sculpt {
 HistoryTree::HistoryTree() {
   makeRoom(nodes_, 1);
   nodes_.push_back({});
+  cancelled_.push_back(false);
 }
 
 void HistoryTree::require(NodeId node, const char* verb) const {
@@ -62,6 +63,7 @@ NodeId HistoryTree::add() {
   makeRoom(nodes_, 1);
   const NodeId node{static_cast<std::uint32_t>(nodes_.size())};
   nodes_.push_back({});
+  cancelled_.push_back(false);
   attach(node, cursor_);
   at(cursor_).lastVisited = indexOf(node);
   cursor_ = node;
@@ -93,18 +95,20 @@ void HistoryTree::setCancelled(NodeId node, Extent extent, bool cancelled) {
   bool changes = false;
   for (const NodeId n : nodes) changes = changes || isCancelled(n) != cancelled;
   if (!changes)
-    throw InputError(fmt::format("{}: node {}{} is {}, but must not be", cancelled ? "cancel" : "restore",
-                                 indexOf(node), nodes.size() > 1 ? " with all that descends from it" : "",
-                                 cancelled ? "cancelled already" : "not cancelled"));
-  for (const NodeId n : nodes) at(n).cancelled = cancelled ? 1 : 0;
+    throw InputError(
+        fmt::format("{}: node {}{} is {}", cancelled ? "cancel" : "restore", indexOf(node),
+                    nodes.size() > 1 ? " with all that descends from it" : "",
+                    cancelled ? "cancelled already, but must not be" : "not cancelled, but must be"));
+  for (const NodeId n : nodes) cancelled_[indexOf(n)] = cancelled;
 }
 
 void HistoryTree::move(NodeId node, NodeId to, Extent extent) {
   requireNoRoot(node, "move");
   require(to, "move");
   if (extent == Extent::Branch && isInBranch(to, node))
-    throw InputError(fmt::format("move: node {} lies in the branch of node {}, but a branch cannot hang from itself",
-                                 indexOf(to), indexOf(node)));
+    throw InputError(
+        fmt::format("move: node {} lies in the branch of node {}, but a branch cannot hang from itself",
+                    indexOf(to), indexOf(node)));
   if (node == to)
     throw InputError(fmt::format("move: node {} cannot become a child of itself", indexOf(node)));
   const NodeId former = parent(node);
@@ -135,7 +139,7 @@ std::vector<NodeId> HistoryTree::copy(NodeId node, NodeId to, Extent extent) {
   const auto first = static_cast<std::uint32_t>(nodes_.size());
   for (const NodeId source : sources) {
     nodes_.push_back({});
-    nodes_.back().cancelled = at(source).cancelled;
+    cancelled_.push_back(isCancelled(source));
   }
   std::vector<std::pair<NodeId, std::uint32_t>> copies;  // by source
   for (std::uint32_t i = 0; i < sources.size(); ++i) copies.emplace_back(sources[i], first + i);
@@ -143,9 +147,9 @@ std::vector<NodeId> HistoryTree::copy(NodeId node, NodeId to, Extent extent) {
   for (std::uint32_t i = 0; i < sources.size(); ++i) {
     NodeId parentOfCopy = to;
     if (i > 0)
-      parentOfCopy = NodeId{std::lower_bound(copies.begin(), copies.end(),
-                                             std::pair(parent(sources[i]), std::uint32_t{0}))
-                                ->second};
+      parentOfCopy = NodeId{
+          std::lower_bound(copies.begin(), copies.end(), std::pair(parent(sources[i]), std::uint32_t{0}))
+              ->second};
     attach(NodeId{first + i}, parentOfCopy);
   }
   return sources;

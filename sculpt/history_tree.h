@@ -8,8 +8,8 @@
 
 namespace restroke::sculpt {
 
-/// Node 0 is the root (the base); the commands that change the shape are numbered from 1 in the order in which
-/// they were recorded or copied, and numbers never change.
+/// Node 0 is the root (the base); the commands that change the shape are numbered from 1 in the order in
+/// which they were recorded or copied, and numbers never change.
 enum class NodeId : std::uint32_t {};
 
 /// The root of every tree: the base before the first stroke.
@@ -35,7 +35,7 @@ class HistoryTree {
   [[nodiscard]] NodeId cursor() const { return cursor_; }
   /// The root is its own parent.
   [[nodiscard]] NodeId parent(NodeId node) const { return NodeId{at(node).parent}; }
-  [[nodiscard]] bool isCancelled(NodeId node) const { return at(node).cancelled != 0; }
+  [[nodiscard]] bool isCancelled(NodeId node) const { return cancelled_[indexOf(node)]; }
   /// Child with the lowest number; the root where there is none.
   [[nodiscard]] NodeId firstChild(NodeId node) const { return NodeId{at(node).firstChild}; }
   /// The parent's child with the next higher number; the root where there is none.
@@ -56,23 +56,24 @@ class HistoryTree {
   /// child, else O(depth). Refuses nodes that do not exist.
   void moveCursor(NodeId node);
 
-  /// A cancelled node stays where it is and contributes nothing; what descends from it still does. Refuses the
-  /// root, and what is cancelled already. Of a branch those that are not are cancelled, one at least.
+  /// A cancelled node stays where it is and contributes nothing; what descends from it still does. Refuses
+  /// the root, and what is cancelled already. Of a branch those that are not are cancelled, one at least.
   void cancel(NodeId node, Extent extent = Extent::Single);
   void restore(NodeId node, Extent extent = Extent::Single);
-  /// Makes the node a child of `to`, ahead of the cursor: a cursor in what is moved goes to the former parent.
-  /// Refuses the root, and going below itself.
+  /// Makes the node a child of `to`, ahead of the cursor: a cursor in what is moved goes to the former
+  /// parent. Refuses the root, and going below itself.
   void move(NodeId node, NodeId to, Extent extent = Extent::Branch);
-  /// Makes a copy of the node a child of `to`. Returns the nodes that were copied; the copies have the numbers
-  /// from the former size() on, in this order. Cancelled nodes have cancelled copies.
+  /// Makes a copy of the node a child of `to`. Returns the nodes that were copied; the copies have the
+  /// numbers from the former size() on, in this order. Cancelled nodes have cancelled copies.
   std::vector<NodeId> copy(NodeId node, NodeId to, Extent extent = Extent::Branch);
 
-  [[nodiscard]] std::size_t bytes() const { return nodes_.capacity() * sizeof(Node); }
+  [[nodiscard]] std::size_t bytes() const {
+    return nodes_.capacity() * sizeof(Node) + cancelled_.capacity() / 8;
+  }
 
  private:
   struct Node {
-    std::uint32_t parent : 31 = 0;
-    std::uint32_t cancelled : 1 = 0;
+    std::uint32_t parent = 0;
     std::uint32_t firstChild = 0;   // 0, which is no node's child: none
     std::uint32_t nextSibling = 0;  // by number
     std::uint32_t lastVisited = 0;  // child
@@ -88,6 +89,7 @@ class HistoryTree {
   void detach(NodeId node);
 
   std::vector<Node> nodes_;
+  std::vector<bool> cancelled_;
   NodeId cursor_ = kRootNode;
 };
 

@@ -1,7 +1,7 @@
-// The shape at the cursor, made of the one that stands: after an edit of the tree, or a jump of the cursor, the
-// old and the new sequence of nodes are matched; what is gone is taken off the list, what is new is applied, and
-// what stays is cast anew if it read a place where something has changed before it (DESIGN invariant 6). Strokes
-// whose stamps come out the same end the cascade there.
+// The shape at the cursor, made of the one that stands: after an edit of the tree, or a jump of the cursor,
+// the old and the new sequence of nodes are matched; what is gone is taken off the list, what is new is
+// applied, and what stays is cast anew if it read a place where something has changed before it (DESIGN
+// invariant 6). Strokes whose stamps come out the same end the cascade there.
 
 #include <algorithm>
 #include <optional>
@@ -31,7 +31,7 @@ std::vector<std::size_t> matchInOrder(const std::vector<PlacedNode>& old, const 
   struct Pile {
     std::size_t place, target;
   };
-  std::vector<Pile> tops;                                   // of the piles: the lowest last place of each length
+  std::vector<Pile> tops;  // of the piles: the lowest last place of each length
   std::vector<std::size_t> before(targetEnd - same, kNone), placeOf(targetEnd - same, kNone);
   for (std::size_t t = same; t < targetEnd; ++t) {
     const auto found = std::lower_bound(places.begin(), places.end(), std::pair(target[t], std::size_t{0}));
@@ -46,7 +46,8 @@ std::vector<std::size_t> matchInOrder(const std::vector<PlacedNode>& old, const 
       *pile = {place, t};
   }
   if (!tops.empty())
-    for (std::size_t t = tops.back().target; t != kNone; t = before[t - same]) match[t - same] = placeOf[t - same];
+    for (std::size_t t = tops.back().target; t != kNone; t = before[t - same])
+      match[t - same] = placeOf[t - same];
   return match;
 }
 
@@ -55,8 +56,8 @@ std::vector<std::size_t> matchInOrder(const std::vector<PlacedNode>& old, const 
 struct Document::Walk {
   const Consequences& recorded;
   CommandReport& report;
-  std::size_t at = 1;         // primitives before the place that was come to
-  bool baseMoved = false;     // the base is another one, or came here another way
+  std::size_t at = 1;                       // primitives before the place that was come to
+  bool baseMoved = false;                   // the base is another one, or came here another way
   std::vector<ChangedPlaces> changes = {};  // before that place
 };
 
@@ -172,9 +173,8 @@ void Document::insertNode(Walk& walk, NodeId node) {
 }
 
 void Document::keepNode(Walk& walk, PlacedNode placed) {
-  const bool touched = placed.reads && (placed.reads->everything()
-                                            ? walk.baseMoved || !walk.changes.empty()
-                                            : placed.reads->touchedBy(walk.changes));
+  const bool touched = placed.reads && (placed.reads->everything() ? walk.baseMoved || !walk.changes.empty()
+                                                                   : placed.reads->touchedBy(walk.changes));
   if (touched) recast(walk, placed);
   walk.at += placed.count;
   placed_.push_back(std::move(placed));
@@ -195,8 +195,8 @@ void Document::recast(Walk& walk, PlacedNode& placed) {
   walk.report.misses += applied.outcome.misses;
   placed.reads = std::move(applied.reads);
   if (replacePrimitives(walk, placed, primitivesOf(applied.outcome, stroke.brush))) ++walk.report.changed;
-  history_.setResult(node, {.stamps = placed.count,
-                            .misses = static_cast<std::uint32_t>(applied.outcome.misses)});
+  history_.setResult(node,
+                     {.stamps = placed.count, .misses = static_cast<std::uint32_t>(applied.outcome.misses)});
 }
 
 bool Document::replacePrimitives(Walk& walk, PlacedNode& placed,
@@ -243,7 +243,8 @@ points::SurfelModel Document::replayedFromScratch() const {
                             .base = base_.history,
                             .grid = header_.grid,
                             .execution = execution_};
-      primitives = primitivesOf(Evaluation(history_, chains_).apply(node, *stroke, site).outcome, stroke->brush);
+      primitives =
+          primitivesOf(Evaluation(history_, chains_).apply(node, *stroke, site).outcome, stroke->brush);
     } else {
       primitives = primitivesOf(std::get<FixedCommand>(command));
     }

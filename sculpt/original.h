@@ -22,8 +22,8 @@ struct BaseHistory {
 struct Original {
   std::uint64_t shapeBefore = 0;  ///< hash of the list that it was cast on
   BaseHistory base;
-  retarget::Trail trail = {};                        ///< of `fixed`, `nearest`, `surface`
-  std::vector<retarget::OrientedPoint> patch = {};   ///< of `aligned`: surfels around the stroke, before it
+  retarget::Trail trail = {};                       ///< of `fixed`, `nearest`, `surface`
+  std::vector<retarget::OrientedPoint> patch = {};  ///< of `aligned`: surfels around the stroke, before it
   [[nodiscard]] std::size_t bytes() const {
     return sizeof(*this) + trail.points.capacity() * sizeof(retarget::TrailPoint) +
            patch.capacity() * sizeof(retarget::OrientedPoint);

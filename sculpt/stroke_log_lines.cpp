@@ -71,8 +71,8 @@ void putBrush(std::string& out, const Brush& brush, const std::filesystem::path&
   out += "},";
 }
 
-// A row is [x, y, z, radius], and behind it what the brush has more of: of a sweep 1 when joined, of a tip its
-// rotation.
+// A row is [x, y, z, radius], and behind it what the brush has more of: of a sweep 1 when joined, of a tip
+// its rotation.
 enum class Columns : std::uint8_t { Ball = 4, Sweep = 5, Tip = 8 };
 
 Columns columnsFor(const Brush& brush) {
@@ -297,7 +297,8 @@ StrokeCommand strokeOf(const JsonField& field, LineContext& context) {
   return command;
 }
 
-// Edits of the tree, moves of its cursor, changes of the base -------------------------------------------------
+// Edits of the tree, moves of its cursor, changes of the base
+// -------------------------------------------------
 
 void putRecasts(std::string& out, const Consequences& consequences) {
   if (consequences.recasts.empty()) return;
@@ -376,7 +377,8 @@ std::string formatEdit(const EditText<Edit>& text, const Edit& edit) {
   if constexpr (requires { edit.to; })
     fmt::format_to(std::back_inserter(inside), ",\"to\":{}", indexOf(edit.to));
   if constexpr (requires { edit.extent; })
-    if (edit.extent != Edit{}.extent) fmt::format_to(std::back_inserter(inside), ",\"{}\":true", text.extentKey);
+    if (edit.extent != Edit{}.extent)
+      fmt::format_to(std::back_inserter(inside), ",\"{}\":true", text.extentKey);
   if constexpr (requires { edit.recasts; }) putRecasts(inside, edit);
   if (!inside.empty()) inside.erase(0, 1);
   return fmt::format("{{\"{}\":{{{}}}}}", text.name, inside);
@@ -408,7 +410,8 @@ TransformCommand transformOf(const JsonField& field) {
   const JsonField matrix = field.member("matrix");
   TransformCommand command;
   if (matrix.arraySize() != command.matrix.size()) matrix.refuse("an array of 12 numbers, 3 rows of 4");
-  for (std::size_t i = 0; i < command.matrix.size(); ++i) command.matrix[i] = matrix.element(i).number32(kNumber);
+  for (std::size_t i = 0; i < command.matrix.size(); ++i)
+    command.matrix[i] = matrix.element(i).number32(kNumber);
   command.recasts = recastsOf(field);
   return command;
 }
@@ -504,8 +507,8 @@ LogHeader parseHeader(std::string_view line, const TextOrigin& origin, const std
 Command parseCommand(std::string_view line, const TextOrigin& origin, LineContext& context) {
   const json text = parseJson(line, origin);
   const JsonField field(text, whereOf(origin));
-  field.requireKeysAmong({"stroke", "fixed", "base", "transform", "undo", "redo", "goto", "cancel", "restore",
-                          "move", "copy"});
+  field.requireKeysAmong(
+      {"stroke", "fixed", "base", "transform", "undo", "redo", "goto", "cancel", "restore", "move", "copy"});
   if (text.size() != 1) field.refuse("an object with exactly one command");
   if (field.has("stroke")) return strokeOf(field.member("stroke"), context);
   if (field.has("fixed")) {

@@ -28,19 +28,17 @@ bool meets(DVec3 apex, DVec3 end, DVec3 center, double radius) {
 }  // namespace
 
 void ChangedPlaces::add(const implicit::Sphere& ball) {
-  if (balls_.empty()) {
+  const DVec3 to = DVec3(ball.center) - DVec3(around_.center);
+  const double distance = length(to), own = static_cast<double>(around_.radius),
+               other = static_cast<double>(ball.radius);
+  if (balls_.empty() || distance + own <= other) {
     around_ = ball;
-  } else {
-    const DVec3 to = DVec3(ball.center) - DVec3(around_.center);
-    const double distance = length(to), own = static_cast<double>(around_.radius),
-                 other = static_cast<double>(ball.radius);
-    if (distance + other > own) {
-      // The ball about both, rounded up.
-      const double radius = std::max(own, (distance + own + other) / 2) * (1 + kRounding);
-      if (distance > 0)
-        around_.center = Point(DVec3(around_.center) + to * (std::max(0.0, radius - own) / distance));
-      around_.radius = static_cast<float>((radius + largest(DVec3(around_.center)) * kRounding) * (1 + kRounding));
-    }
+  } else if (distance + other > own) {
+    // The ball about both, rounded up.
+    const double radius = (distance + own + other) / 2;
+    around_.center = Point(DVec3(around_.center) + to * ((radius - own) / distance));
+    around_.radius =
+        static_cast<float>((radius + largest(DVec3(around_.center)) * kRounding) * (1 + kRounding));
   }
   balls_.push_back(ball);
 }
@@ -78,8 +76,8 @@ bool StrokeReads::touchedBy(std::span<const ChangedPlaces> changes) {
   const double slack = (largest(apex_) + reach_) * kRounding;
   const auto isNear = [&](const implicit::Sphere& ball) {
     const DVec3 to = DVec3(ball.center) - apex_;
-    const double radius = static_cast<double>(ball.radius) * (1 + kRounding) + slack +
-                          largest(DVec3(ball.center)) * kRounding;
+    const double radius =
+        static_cast<double>(ball.radius) * (1 + kRounding) + slack + largest(DVec3(ball.center)) * kRounding;
     const double square = dot(to, to), far = reach_ + radius;
     if (square > far * far) return false;
     if (cosine_ < 0 || square <= radius * radius) return true;
@@ -114,8 +112,7 @@ std::optional<retarget::SurfaceHit> ReadingCaster::cast(const retarget::StrokePl
       reads_.apex_ = former_->apex_;
       reads_.casts_.push_back(*found);
       if (!found->hit) return std::nullopt;
-      return retarget::SurfaceHit{
-          .position = found->end, .normal = found->normal, .scale = found->scale};
+      return retarget::SurfaceHit{.position = found->end, .normal = found->normal, .scale = found->scale};
     }
   }
   ++castAnew_;

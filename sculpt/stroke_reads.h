@@ -31,10 +31,10 @@ class ChangedPlaces {
 struct ReadCast {
   retarget::StrokePlace place;
   bool hit = false;
-  bool holds = true;      ///< nothing that it read has changed
-  Point end{0};           ///< of what was read: the hit, or the ray's end
-  Vec3 normal{0, 0, 1};   ///< of the hit
-  float scale = 1;        ///< of the hit
+  bool holds = true;     ///< nothing that it read has changed
+  Point end{0};          ///< of what was read: the hit, or the ray's end
+  Vec3 normal{0, 0, 1};  ///< of the hit
+  float scale = 1;       ///< of the hit
 };
 
 /// All casts of one stroke. 52 bytes each.
@@ -57,11 +57,11 @@ class StrokeReads {
   void finish();
 
   bool everything_ = false;
-  DVec3 apex_{0};                // where all rays begin
-  DVec3 axis_{0, 0, 1};          // of a cone about all rays
-  double cosine_ = 1, sine_ = 0; // of the cone's half angle
-  double reach_ = 0;             // from the apex to the farthest end
-  std::vector<ReadCast> casts_;  // in order along the stroke; those that read nothing are left out
+  DVec3 apex_{0};                 // where all rays begin
+  DVec3 axis_{0, 0, 1};           // of a cone about all rays
+  double cosine_ = 1, sine_ = 0;  // of the cone's half angle
+  double reach_ = 0;              // from the apex to the farthest end
+  std::vector<ReadCast> casts_;   // in order along the stroke; those that read nothing are left out
 };
 
 /// Answers as another caster does, or from former casts that still hold, and keeps what was read.
