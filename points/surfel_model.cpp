@@ -94,37 +94,46 @@ void SurfelModel::append(std::span<const Primitive> primitives, const Execution&
   insert(list_.size(), primitives, execution);
 }
 
-void SurfelModel::insert(std::size_t position, std::span<const Primitive> primitives, const Execution&) {
+void SurfelModel::insert(std::size_t position, std::span<const Primitive> primitives,
+                         const Execution& execution) {
   RESTROKE_CHECK_LE(position, list_.size());
   for (const Primitive& p : primitives) {
     implicit::validate(p);
     (void)implicit::sampleCount(p.shape, sampling_.density);
   }
-  for (std::size_t i = 0; i < primitives.size(); ++i) insertOne(position + i, primitives[i]);
+  if (edits_) {
+    insertUnseen(position, primitives);
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      edits_->balls.push_back(implicit::dropBall(primitives[i].shape));
+      if (!primitives[i].shape.isSphere()) edits_->shapes.push_back(primitives[i].shape);
+      edits_->inserted.push_back(PrimitiveList::slotOf(list_.idAt(position + i)));
+    }
+  } else if (position < list_.size() && primitives.size() > 1) {
+    beginEdits();
+    insert(position, primitives, execution);
+    endEdits(execution);
+  } else {
+    for (std::size_t i = 0; i < primitives.size(); ++i) insertOne(position + i, primitives[i]);
+  }
 }
 
-std::uint32_t SurfelModel::insertUnseen(std::size_t position, const Primitive& primitive) {
-  const SampleTable& table =
-      implicit::samplesOf(primitive.shape, implicit::sampleCount(primitive.shape, sampling_.density));
-  const std::uint32_t slot = PrimitiveList::slotOf(list_.insert(position, primitive));
-  if (slot >= samples_.size()) samples_.resize(slot + 1);
-  Samples& own = samples_[slot];
-  own.table = &table;
-  own.visible = std::make_unique<std::uint16_t[]>(table.patches());
-  visibleBytes_ += table.patches() * sizeof(std::uint16_t);
-  return slot;
+void SurfelModel::insertUnseen(std::size_t position, std::span<const Primitive> primitives) {
+  list_.insert(position, primitives);
+  samples_.resize(std::max(samples_.size(), list_.slotCount()));
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    Samples& own = samples_[PrimitiveList::slotOf(list_.idAt(position + i))];
+    own.table = &implicit::samplesOf(primitives[i].shape,
+                                     implicit::sampleCount(primitives[i].shape, sampling_.density));
+    own.visible = std::make_unique<std::uint16_t[]>(own.table->patches());
+    visibleBytes_ += own.table->patches() * sizeof(std::uint16_t);
+  }
 }
 
 void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
   const implicit::BallKernels& kernels = implicit::ballKernels();
-  const std::uint32_t slot = insertUnseen(position, primitive);
+  insertUnseen(position, {&primitive, 1});
+  const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(position));
   const DropBall drop = implicit::dropBall(primitive.shape);
-  if (edits_) {
-    edits_->balls.push_back(drop);
-    if (!primitive.shape.isSphere()) edits_->shapes.push_back(primitive.shape);
-    edits_->inserted.push_back(slot);
-    return;
-  }
   near_.gather(list_, drop, std::numeric_limits<PrimitiveList::Label>::max(), list_.labels()[slot]);
   const implicit::BallArrays balls = near_.arrays();
 
@@ -164,8 +173,8 @@ void SurfelModel::remove(std::size_t first, std::size_t count, const Execution& 
       surfelCount_ -= static_cast<unsigned>(std::popcount(own.visible[p]));
     visibleBytes_ -= own.table->patches() * sizeof(std::uint16_t);
     own = {};
-    list_.remove(id);
   }
+  list_.remove(first, count);
   if (edits_) return;
   // What was in a removed ball, or asked about it, is evaluated again.
   std::vector<std::uint64_t> changed;

@@ -73,7 +73,7 @@ class SurfelModel {
   struct Run;
   [[nodiscard]] implicit::SampledShape shapeIn(std::uint32_t slot) const;
   void insertOne(std::size_t position, const implicit::Primitive& primitive);
-  [[nodiscard]] std::uint32_t insertUnseen(std::size_t position, const implicit::Primitive& primitive);
+  void insertUnseen(std::size_t position, std::span<const implicit::Primitive> primitives);
   void reevaluateAround(std::span<const implicit::DropBall> balls, std::vector<std::uint64_t>& patches,
                         const Execution& execution);
   /// Appends the patches of a primitive that reach into the ball, as slot << 32 | patch.
