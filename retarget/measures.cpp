@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "implicit/geometry/det_math.h"
 #include "implicit/ray_cast.h"
-#include "retarget/surface_distance.h"
 
 namespace restroke::retarget {
 namespace {
@@ -23,7 +23,7 @@ double distance(const SurfaceHit& a, const SurfaceHit& b) {
 double degreesBetween(const SurfaceHit& a, const SurfaceHit& b) {
   // Not by the arc cosine, which has no digits for small angles.
   const DVec3 m(a.normal), n(b.normal);
-  return std::atan2(length(cross(m, n)), dot(m, n)) * (180 / 3.14159265358979323846);
+  return std::atan2(length(cross(m, n)), dot(m, n)) * (180 / kPi);
 }
 
 bool isInputPoint(const TrailPoint& point) {
@@ -165,12 +165,13 @@ StrokeObservations observe(const RetargetedStroke& stroke) {
   if (stroke.truth) compareWithTruth(*stroke.truth, stroke.result, seen);
   if (stroke.original) compareSteps(*stroke.original, stroke.result, seen);
 
-  if (stroke.model) {
-    const SurfaceDistance surface(*stroke.model, stroke.prefix, stroke.execution);
+  std::optional<SurfaceDistance> own;
+  const SurfaceDistance* surface = stroke.surface;
+  if (!surface && stroke.model) surface = &own.emplace(*stroke.model, stroke.prefix, stroke.execution);
+  if (surface)
     for (const TrailPoint& point : stroke.result.points)
-      if (const auto away = point.hit ? surface.from(*point.hit) : std::nullopt)
+      if (const auto away = point.hit ? surface->from(*point.hit) : std::nullopt)
         seen.surfaceDistances.push_back(*away);
-  }
   const Screen screen(stroke.camera);
   for (const TrailPoint& point : (expected ? *expected : stroke.result).points) {
     if (!isInputPoint(point)) continue;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "retarget/polylines.h"
+#include "retarget/surface_distance.h"
 #include "retarget/trail.h"
 
 namespace restroke::retarget {
@@ -25,6 +26,8 @@ struct RetargetedStroke {
   const points::SurfelModel* model = nullptr;
   implicit::Prefix prefix = {};
   Execution execution = {};
+  /// Of the model and the prefix, where one is at hand (to share it among methods); else one is made.
+  const SurfaceDistance* surface = nullptr;
 };
 
 /// What was observed of one stroke; from it Measures are made, of one stroke or of several together.
@@ -51,7 +54,7 @@ struct StrokeObservations {
   std::size_t behind = 0;                ///< hits behind the camera
 };
 
-/// O(places) casts; with a model it draws up a tree of the prefix's surfels.
+/// O(places) casts; with a model and without a SurfaceDistance of it, also the making of one.
 [[nodiscard]] StrokeObservations observe(const RetargetedStroke& stroke);
 
 /// What a measure is of which nothing was observed: no truth, no hit on both sides, a single point where two

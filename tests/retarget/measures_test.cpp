@@ -285,7 +285,11 @@ TEST(Measures, SeeWhatHidesAPlace) {
                    {{middle, 1}, SurfaceHit{{0, 0, 0.995f}, {0, 0, 1}}},
                    {{middle, 2}, SurfaceHit{{0, 0, 0.9f}, {0, 0, 1}}},
                    {{middle, 3}, SurfaceHit{{0, 0, -1}, {0, 0, -1}}}};
-  EXPECT_EQ(observe({.result = result, .camera = smallCamera(), .model = &model}).hidden, 2u);
+  const StrokeObservations seen = observe({.result = result, .camera = smallCamera(), .model = &model});
+  EXPECT_EQ(seen.hidden, 2u);
+  const SurfaceDistance surface(model);
+  EXPECT_EQ(observe({.result = result, .camera = {}, .surface = &surface}).surfaceDistances,
+            seen.surfaceDistances);
 }
 
 TEST(Measures, OfExactOnTheShapeThatItWasDrawnOnAreRounding) {
