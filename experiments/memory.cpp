@@ -25,13 +25,13 @@ std::vector<implicit::Primitive> primitivesOf(const implicit::PrimitiveList& lis
 }
 
 std::string nameOf(const sculpt::Command& command) {
-  struct Name {
-    std::string operator()(const sculpt::StrokeCommand&) const { return "stroke"; }
-    std::string operator()(const sculpt::FixedCommand&) const { return "fixed"; }
-    std::string operator()(const sculpt::UndoCommand&) const { return "undo"; }
-    std::string operator()(const sculpt::RedoCommand&) const { return "redo"; }
-  };
-  return std::visit(Name{}, command);
+  if (std::holds_alternative<sculpt::StrokeCommand>(command)) return "stroke";
+  if (std::holds_alternative<sculpt::FixedCommand>(command)) return "fixed";
+  if (std::holds_alternative<sculpt::UndoCommand>(command)) return "undo";
+  if (std::holds_alternative<sculpt::RedoCommand>(command)) return "redo";
+  throw InputError(
+      "the log edits its tree or changes its base, but the back ends are compared on strokes, fixed stamps, undo "
+      "and redo, which all of them can do");
 }
 
 /// All back ends, fed with one log, and the reference that they are compared with.
@@ -211,8 +211,8 @@ MemoryLog measureMemory(const std::filesystem::path& file, const MemoryOptions& 
     const sculpt::Command& command = source.commands[i];
     MemoryStep step;
     step.step = i + 1;
-    step.command = nameOf(command);
     try {
+      step.command = nameOf(command);
       step.stamps = run.apply(command);
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: command {}: {}", file.string(), i + 1, error.what()));

@@ -103,8 +103,7 @@ void SurfelModel::insert(std::size_t position, std::span<const Primitive> primit
   for (std::size_t i = 0; i < primitives.size(); ++i) insertOne(position + i, primitives[i]);
 }
 
-void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
-  const implicit::BallKernels& kernels = implicit::ballKernels();
+std::uint32_t SurfelModel::insertUnseen(std::size_t position, const Primitive& primitive) {
   const SampleTable& table =
       implicit::samplesOf(primitive.shape, implicit::sampleCount(primitive.shape, sampling_.density));
   const std::uint32_t slot = PrimitiveList::slotOf(list_.insert(position, primitive));
@@ -113,17 +112,29 @@ void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
   own.table = &table;
   own.visible = std::make_unique<std::uint16_t[]>(table.patches());
   visibleBytes_ += table.patches() * sizeof(std::uint16_t);
+  return slot;
+}
 
+void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
+  const implicit::BallKernels& kernels = implicit::ballKernels();
+  const std::uint32_t slot = insertUnseen(position, primitive);
   const DropBall drop = implicit::dropBall(primitive.shape);
+  if (edits_) {
+    edits_->balls.push_back(drop);
+    if (!primitive.shape.isSphere()) edits_->shapes.push_back(primitive.shape);
+    edits_->inserted.push_back(slot);
+    return;
+  }
   near_.gather(list_, drop, std::numeric_limits<PrimitiveList::Label>::max(), list_.labels()[slot]);
   const implicit::BallArrays balls = near_.arrays();
 
   // Its own samples.
+  Samples& own = samples_[slot];
   const SampledShape shape = shapeIn(slot);
   const int top = shape.tree->levels - 1;
   for (std::uint32_t node = 0; node < shape.tree->level[top].count; ++node)
     kernels.evaluateNode(shape, top, node, balls, own.visible.get());
-  for (std::uint32_t p = 0; p < table.patches(); ++p)
+  for (std::uint32_t p = 0; p < own.table->patches(); ++p)
     surfelCount_ += static_cast<unsigned>(std::popcount(own.visible[p]));
 
   // Older samples in it go; younger ones may go or come, because what they were added to or carved from has
@@ -140,15 +151,14 @@ void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
 void SurfelModel::remove(std::size_t first, std::size_t count, const Execution& execution) {
   RESTROKE_CHECK_LE(first, list_.size());
   RESTROKE_CHECK_LE(count, list_.size() - first);
-  std::vector<DropBall> gone;
-  std::vector<implicit::Shape> shapes;  // keeps the volumes that `gone` refers to
-  gone.reserve(count);
+  Edits now;
+  Edits& edits = edits_ ? *edits_ : now;
   for (std::size_t i = count; i-- > 0;) {
     const PrimitiveId id = list_.idAt(first + i);
     const std::uint32_t slot = PrimitiveList::slotOf(id);
     const implicit::Shape& shape = list_[id].shape;
-    gone.push_back(implicit::dropBall(shape));
-    if (!shape.isSphere()) shapes.push_back(shape);
+    edits.balls.push_back(implicit::dropBall(shape));
+    if (!shape.isSphere()) edits.shapes.push_back(shape);
     Samples& own = samples_[slot];
     for (std::uint32_t p = 0; p < own.table->patches(); ++p)
       surfelCount_ -= static_cast<unsigned>(std::popcount(own.visible[p]));
@@ -156,13 +166,36 @@ void SurfelModel::remove(std::size_t first, std::size_t count, const Execution& 
     own = {};
     list_.remove(id);
   }
+  if (edits_) return;
   // What was in a removed ball, or asked about it, is evaluated again.
   std::vector<std::uint64_t> changed;
-  for (const DropBall& ball : gone) {
-    near_.gather(list_, ball, std::numeric_limits<PrimitiveList::Label>::max());
-    for (std::size_t i = 0; i < near_.size(); ++i) addTouched(near_.slot(i), ball, changed);
+  reevaluateAround(now.balls, changed, execution);
+}
+
+void SurfelModel::beginEdits() {
+  RESTROKE_CHECK_EQ(edits_ != nullptr, false);
+  edits_ = std::make_unique<Edits>();
+}
+
+void SurfelModel::endEdits(const Execution& execution) {
+  RESTROKE_CHECK_EQ(edits_ != nullptr, true);
+  const std::unique_ptr<Edits> edits = std::move(edits_);
+  std::vector<std::uint64_t> changed;
+  for (const std::uint32_t slot : edits->inserted) {
+    const Samples& own = samples_[slot];
+    if (!own.table) continue;  // removed since
+    for (std::uint32_t p = 0; p < own.table->patches(); ++p) changed.push_back(std::uint64_t{slot} << 32 | p);
   }
-  reevaluate(changed, execution);
+  reevaluateAround(edits->balls, changed, execution);
+}
+
+void SurfelModel::reevaluateAround(std::span<const DropBall> balls, std::vector<std::uint64_t>& patches,
+                                   const Execution& execution) {
+  for (const DropBall& ball : balls) {
+    near_.gather(list_, ball, std::numeric_limits<PrimitiveList::Label>::max());
+    for (std::size_t i = 0; i < near_.size(); ++i) addTouched(near_.slot(i), ball, patches);
+  }
+  reevaluate(patches, execution);
 }
 
 void SurfelModel::addTouched(std::uint32_t slot, const DropBall& ball, std::vector<std::uint64_t>& patches) {
@@ -311,7 +344,8 @@ std::vector<Surfel> SurfelModel::surfels(const Execution& execution) const {
 }
 
 std::vector<Surfel> SurfelModel::surfels(Prefix prefix, const Execution& execution) const {
-  if (prefix.count >= list_.size()) return surfels(execution);
+  if (prefix.count >= list_.size() && !edits_) return surfels(execution);
+  prefix.count = std::min(prefix.count, list_.size());
   std::vector<std::vector<std::uint16_t>> masks(samples_.size());
   std::vector<std::uint16_t*> visible(samples_.size(), nullptr);
   for (std::size_t i = 0; i < prefix.count; ++i) {
@@ -349,6 +383,16 @@ std::uint64_t SurfelModel::stateHash(const Execution& execution) const {
   });
   return XXH3_64bits_withSeed(hashes.data(), hashes.size() * sizeof(std::uint64_t),
                               std::bit_cast<std::uint32_t>(sampling_.density));
+}
+
+std::uint64_t listHash(const PrimitiveList& list, Prefix prefix) {
+  std::vector<float> numbers, all;
+  const std::size_t end = std::min(prefix.count, list.size());
+  for (std::size_t i = 0; i < end; ++i) {
+    describe(list.at(i), numbers);
+    all.insert(all.end(), numbers.begin(), numbers.end());
+  }
+  return XXH3_64bits(all.data(), all.size() * sizeof(float));
 }
 
 ModelBytes SurfelModel::bytes() const {

@@ -42,6 +42,11 @@ class SurfelModel {
               const Execution& execution = {});
   /// Takes out the primitives at positions first .. first + count - 1.
   void remove(std::size_t first, std::size_t count, const Execution& execution = {});
+  /// Many insertions and removals at once: until endEdits they change the list only, so that what several of
+  /// them touch is evaluated once. In between, ask for surfels with a prefix (which are evaluated then), for
+  /// no count and no hash. The result is the same.
+  void beginEdits();
+  void endEdits(const Execution& execution = {});
   /// Forgets all surfels and evaluates every sample anew. Changes no result; for measurements and tests.
   void rebuild(const Execution& execution = {});
 
@@ -68,6 +73,9 @@ class SurfelModel {
   struct Run;
   [[nodiscard]] implicit::SampledShape shapeIn(std::uint32_t slot) const;
   void insertOne(std::size_t position, const implicit::Primitive& primitive);
+  [[nodiscard]] std::uint32_t insertUnseen(std::size_t position, const implicit::Primitive& primitive);
+  void reevaluateAround(std::span<const implicit::DropBall> balls, std::vector<std::uint64_t>& patches,
+                        const Execution& execution);
   /// Appends the patches of a primitive that reach into the ball, as slot << 32 | patch.
   void addTouched(std::uint32_t slot, const implicit::DropBall& ball, std::vector<std::uint64_t>& patches);
   void reevaluate(std::vector<std::uint64_t>& patches, const Execution& execution);
@@ -85,6 +93,17 @@ class SurfelModel {
   std::vector<Samples> samples_;  // by slot
   implicit::NearBalls near_;
   std::vector<std::uint32_t> touched_;  // scratch of addTouched
+
+  /// What has been changed since beginEdits.
+  struct Edits {
+    std::vector<implicit::DropBall> balls;  // of what came and what went
+    std::vector<implicit::Shape> shapes;    // keeps the volumes that `balls` refers to
+    std::vector<std::uint32_t> inserted;    // slots
+  };
+  std::unique_ptr<Edits> edits_;
 };
+
+/// Hash of the prefix's primitives in order: equal lists, equal hashes. O(primitives).
+[[nodiscard]] std::uint64_t listHash(const implicit::PrimitiveList& list, implicit::Prefix prefix = {});
 
 }  // namespace restroke::points

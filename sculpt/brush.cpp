@@ -214,7 +214,11 @@ class Walk {
     } else if (sample.place && vertex_.place && isNear(vertex_, sample)) {
       // Waits: the polyline goes on from the vertex, past what lies so close to it.
     } else if (sample.place) {
-      connect(vertex_, sample);
+      // Places in between are counted from the input point before, so that none has the number of an input
+      // point that was passed over.
+      Sample start = vertex_;
+      start.at.along = last_->at.along;
+      connect(start, sample);
       vertex_ = sample;
     } else {
       finish();

@@ -1,6 +1,7 @@
 #pragma once
 // What a stroke log is made of (DESIGN invariants 7 and 8). One Command is one line.
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <variant>
@@ -10,6 +11,7 @@
 #include "retarget/method.h"
 #include "retarget/stroke.h"
 #include "sculpt/brush.h"
+#include "sculpt/history_tree.h"
 
 namespace restroke::sculpt {
 
@@ -40,9 +42,71 @@ struct FixedCommand {
   [[nodiscard]] std::size_t size() const { return stamps.size() + shapes.size(); }
 };
 
-struct UndoCommand {};
-struct RedoCommand {};
+/// What a stroke became when a command made it be cast anew, of methods whose result depends on the machine.
+struct Recast {
+  NodeId node = kRootNode;
+  /// Of `depth` and `embree`.
+  std::optional<StrokeOutcome> outcome = {};
+  /// Of `aligned`: the camera that the stroke was cast from, and how much bigger things are there than where
+  /// it was drawn.
+  std::optional<Camera> camera = {};
+  float scale = 1;
+  bool operator==(const Recast&) const = default;
+};
 
-using Command = std::variant<StrokeCommand, FixedCommand, UndoCommand, RedoCommand>;
+/// What may follow from a command beyond its own words: strokes cast anew. Made when the command is carried
+/// out for the first time, and used by replay.
+struct Consequences {
+  std::vector<Recast> recasts = {};
+};
+
+/// Another base under all strokes before and after. A node of the tree.
+struct BaseCommand : Consequences {
+  implicit::Shape base;
+};
+
+/// The base moved, turned, scaled, sheared. A node of the tree. Numbers are float32, since that is what the
+/// log holds.
+struct TransformCommand : Consequences {
+  std::array<float, 12> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  ///< 3 x 4, rows first; model units
+};
+
+struct UndoCommand : Consequences {};
+struct RedoCommand : Consequences {};
+struct GotoCommand : Consequences {
+  NodeId node = kRootNode;
+};
+struct CancelCommand : Consequences {
+  NodeId node = kRootNode;
+  Extent extent = Extent::Single;
+};
+struct RestoreCommand : Consequences {
+  NodeId node = kRootNode;
+  Extent extent = Extent::Single;
+};
+struct MoveCommand : Consequences {
+  NodeId node = kRootNode, to = kRootNode;
+  Extent extent = Extent::Branch;
+};
+/// Copies lie ahead of the cursor until redone, so nothing else follows.
+struct CopyCommand {
+  NodeId node = kRootNode, to = kRootNode;
+  Extent extent = Extent::Branch;
+};
+
+using Command =
+    std::variant<StrokeCommand, FixedCommand, BaseCommand, TransformCommand, UndoCommand, RedoCommand,
+                 GotoCommand, CancelCommand, RestoreCommand, MoveCommand, CopyCommand>;
+
+/// Whether the command is a node of the tree: what changes the shape. The others edit the tree, or move its
+/// cursor.
+[[nodiscard]] inline bool isNode(const Command& command) {
+  return std::holds_alternative<StrokeCommand>(command) || std::holds_alternative<FixedCommand>(command) ||
+         std::holds_alternative<BaseCommand>(command) || std::holds_alternative<TransformCommand>(command);
+}
+
+/// What follows from the command; null where nothing can.
+[[nodiscard]] Consequences* consequencesOf(Command& command);
+[[nodiscard]] const Consequences* consequencesOf(const Command& command);
 
 }  // namespace restroke::sculpt

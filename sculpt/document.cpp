@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "implicit/errors.h"
+#include "sculpt/base_change.h"
 
 namespace restroke::sculpt {
 
@@ -63,20 +64,35 @@ Document::Document(const LogHeader& header, DocumentOptions options, const Execu
       options_(options),
       execution_(execution),
       model_({.density = header.density}, clustersFor(header)),
-      history_(options.history) {
+      history_(options.history),
+      chains_(header.base),
+      base_{{}, header.base} {
   const implicit::Primitive base{header.base, implicit::Sign::Positive};
   model_.append({&base, 1}, execution_);
 }
 
 CommandReport Document::apply(const Command& command) {
-  if (const auto* stroke = std::get_if<StrokeCommand>(&command)) return addStroke(*stroke);
-  if (const auto* fixed = std::get_if<FixedCommand>(&command)) return addFixed(*fixed);
-  return std::holds_alternative<UndoCommand>(command) ? undo() : redo();
+  const auto start = Clock::now();
+  CommandReport report;
+  if (const auto* stroke = std::get_if<StrokeCommand>(&command))
+    report = addStroke(*stroke);
+  else if (const auto* fixed = std::get_if<FixedCommand>(&command))
+    report = addFixed(*fixed);
+  else if (isNode(command))
+    report = addBaseChange(command);
+  else
+    report = edit(command);
+  report.seconds = secondsSince(start);
+  return report;
 }
 
-StrokeOutcome Document::castStroke(const StrokeCommand& stroke) const {
-  const auto caster = retarget::makeCaster(stroke.method, model_, stroke.stroke.camera, {}, execution_);
-  return stampsAlong(stroke.stroke, stroke.brush, header_.grid, *caster);
+StrokeSite Document::site(std::span<const PlacedNode> before, std::size_t prefix) const {
+  return {.model = model_,
+          .before = before,
+          .prefix = prefix,
+          .base = base_.history,
+          .grid = header_.grid,
+          .execution = execution_};
 }
 
 void Document::appendStamps(std::span<const implicit::Primitive> stamps) {
@@ -99,91 +115,167 @@ void Document::appendStamps(std::span<const implicit::Primitive> stamps) {
   }
 }
 
+AppliedStroke Document::appendStroke(NodeId node, const StrokeCommand& stroke, const Recast* recorded,
+                                     CommandReport& report) {
+  AppliedStroke applied = Evaluation(history_, chains_)
+                              .apply(node, stroke, site(placed_, model_.list().size()),
+                                     {.recorded = recorded, .recompute = options_.recompute});
+  const std::vector<implicit::Primitive> primitives = primitivesOf(applied.outcome, stroke.brush);
+  appendStamps(primitives);
+  report.primitivesAdded = primitives.size();
+  report.misses = applied.outcome.misses;
+  report.pieces = applied.outcome.pieces;
+  if (!applied.note.empty()) report.notes.push_back(applied.note);
+  return applied;
+}
+
 CommandReport Document::addStroke(StrokeCommand stroke) {
   retarget::validate(stroke.stroke, "stroke");
   validate(stroke.brush, "stroke");
-  const auto start = Clock::now();
   CommandReport report;
-  StrokeOutcome outcome;
-  if (stroke.outcome && !options_.recompute) {
-    outcome = *stroke.outcome;
-  } else {
-    outcome = castStroke(stroke);
-    report.outcomeDiffers = stroke.outcome && *stroke.outcome != outcome;
-  }
-  const std::vector<implicit::Primitive> primitives = primitivesOf(outcome, stroke.brush);
-  appendStamps(primitives);
-  report.primitivesAdded = primitives.size();
-  report.misses = outcome.misses;
-  report.pieces = outcome.pieces;
-  // What this machine made is kept where another one could make something else.
-  if (retarget::isDeterministic(stroke.method))
-    stroke.outcome.reset();
-  else
-    stroke.outcome = std::move(outcome);
+  const Recast recorded{.outcome = std::move(stroke.outcome)};
+  stroke.outcome.reset();
+  AppliedStroke applied = appendStroke(kRootNode, stroke, recorded.outcome ? &recorded : nullptr, report);
+  report.outcomeDiffers = recorded.outcome && *recorded.outcome != applied.outcome;
   report.node = history_.add(stroke, {.stamps = static_cast<std::uint32_t>(report.primitivesAdded),
                                       .misses = static_cast<std::uint32_t>(report.misses)});
-  report.seconds = secondsSince(start);
+  place(report.node, report.primitivesAdded, applied);
   return report;
 }
 
 CommandReport Document::addFixed(const FixedCommand& fixed) {
-  const auto start = Clock::now();
   CommandReport report;
   appendStamps(primitivesOf(fixed));
   report.primitivesAdded = fixed.size();
   report.pieces = fixed.size() == 0 ? 0 : 1;
   report.node = history_.add(fixed, {.stamps = static_cast<std::uint32_t>(fixed.size()), .misses = 0});
-  report.seconds = secondsSince(start);
+  placed_.push_back({report.node, static_cast<std::uint32_t>(fixed.size())});
   return report;
 }
 
-CommandReport Document::undo() {
-  if (!canUndo()) throw InputError(kNothingToUndo);
-  const auto start = Clock::now();
+void Document::place(NodeId node, std::size_t primitives, AppliedStroke& applied) {
+  store(node, applied);
+  placed_.push_back({node, static_cast<std::uint32_t>(primitives), std::move(applied.reads)});
+}
+
+void Document::store(NodeId node, const AppliedStroke& applied) {
+  if (applied.original) history_.setOriginal(node, applied.original);
+  if (!applied.kept) return;
+  KeptRecast kept = *applied.kept;
+  kept.recast.node = node;
+  history_.keepRecast(kept);
+}
+
+CommandReport Document::addBaseChange(const Command& command) {
+  // Refuses what cannot be carried out before there is a node for it.
+  if (const auto* transform = std::get_if<TransformCommand>(&command))
+    (void)mappedShape(base_.shape, affineOf(transform->matrix), "transform");
+  else
+    implicit::validate({std::get<BaseCommand>(command).base, implicit::Sign::Positive});
   CommandReport report;
-  report.node = history_.cursor();
-  report.primitivesRemoved = history_.result(report.node).stamps;
-  if (report.primitivesRemoved > 0)
-    model_.remove(model_.list().size() - report.primitivesRemoved, report.primitivesRemoved, execution_);
-  history_.moveCursor(history_.parent(report.node));
-  report.seconds = secondsSince(start);
+  const HistoryTree before = history_.tree();
+  report.node = history_.add(command);
+  realizeOr(before, *consequencesOf(command), report);
   return report;
 }
 
-CommandReport Document::redo() {
-  if (!canRedo()) throw InputError(kNothingToRedo);
-  const auto start = Clock::now();
+CommandReport Document::edit(const Command& command) {
   CommandReport report;
-  report.node = history_.redoTarget(history_.cursor());
-  const Command command = history_.command(report.node);
-  if (const auto* stroke = std::get_if<StrokeCommand>(&command)) {
-    const StrokeOutcome outcome = stroke->outcome ? *stroke->outcome : castStroke(*stroke);
-    const std::vector<implicit::Primitive> primitives = primitivesOf(outcome, stroke->brush);
-    appendStamps(primitives);
-    report.primitivesAdded = primitives.size();
-    report.misses = outcome.misses;
-    report.pieces = outcome.pieces;
+  const Consequences* consequences = consequencesOf(command);
+  const NodeId left = history_.cursor();
+  const auto isStep = [&](NodeId node) {
+    return history_.kind(node) == NodeKind::Stroke || history_.kind(node) == NodeKind::Fixed;
+  };
+  if (std::holds_alternative<UndoCommand>(command)) {
+    if (!canUndo()) throw InputError(kNothingToUndo);
+    report.node = left;
+    if (isStep(left)) {
+      undoStep(report);
+      return report;
+    }
+  } else if (std::holds_alternative<RedoCommand>(command)) {
+    if (!canRedo()) throw InputError(kNothingToRedo);
+    report.node = history_.redoTarget(left);
+    if (isStep(report.node)) {
+      redoStep(*consequences, report);
+      return report;
+    }
   } else {
-    const std::vector<implicit::Primitive> stamps = primitivesOf(std::get<FixedCommand>(command));
-    appendStamps(stamps);
-    report.primitivesAdded = stamps.size();
-    report.pieces = stamps.empty() ? 0 : 1;
+    report.node = std::visit(
+        [](const auto& c) {
+          if constexpr (requires { c.node; })
+            return c.node;
+          else
+            return kRootNode;
+        },
+        command);
   }
-  history_.setResult(report.node, {.stamps = static_cast<std::uint32_t>(report.primitivesAdded),
-                                   .misses = static_cast<std::uint32_t>(report.misses)});
-  history_.moveCursor(report.node);
-  report.seconds = secondsSince(start);
+  const HistoryTree before = history_.tree();
+  history_.edit(command);
+  // Copies lie ahead: nothing has become another shape.
+  if (consequences) realizeOr(before, *consequences, report);
   return report;
+}
+
+void Document::undoStep(CommandReport& report) {
+  if (!history_.tree().isCancelled(report.node)) {
+    RESTROKE_CHECK_EQ(indexOf(placed_.back().node), indexOf(report.node));
+    report.primitivesRemoved = placed_.back().count;
+    if (report.primitivesRemoved > 0)
+      model_.remove(model_.list().size() - report.primitivesRemoved, report.primitivesRemoved, execution_);
+    placed_.pop_back();
+  }
+  history_.moveCursor(history_.parent(report.node));
+}
+
+void Document::redoStep(const Consequences& recorded, CommandReport& report) {
+  if (!history_.tree().isCancelled(report.node)) {
+    const Command command = history_.command(report.node);
+    if (const auto* stroke = std::get_if<StrokeCommand>(&command)) {
+      const Recast* recast = recastOf(report.node, recorded);
+      AppliedStroke applied = appendStroke(report.node, *stroke, recast, report);
+      noteRecast(report.node, applied, recast, report);
+      place(report.node, report.primitivesAdded, applied);
+    } else {
+      const std::vector<implicit::Primitive> stamps = primitivesOf(std::get<FixedCommand>(command));
+      appendStamps(stamps);
+      report.primitivesAdded = stamps.size();
+      report.pieces = stamps.empty() ? 0 : 1;
+      placed_.push_back({report.node, static_cast<std::uint32_t>(stamps.size())});
+    }
+    history_.setResult(report.node, {.stamps = static_cast<std::uint32_t>(report.primitivesAdded),
+                                     .misses = static_cast<std::uint32_t>(report.misses)});
+  }
+  history_.moveCursor(report.node);
+}
+
+const Recast* Document::recastOf(NodeId node, const Consequences& recorded) {
+  for (const Recast& recast : recorded.recasts)
+    if (recast.node == node) return &recast;
+  return nullptr;
+}
+
+void Document::noteRecast(NodeId node, const AppliedStroke& applied, const Recast* recorded,
+                          CommandReport& report) {
+  if (!applied.kept || !applied.isNew) return;
+  Recast recast = applied.kept->recast;
+  recast.node = node;
+  report.outcomeDiffers = report.outcomeDiffers || (recorded && *recorded != recast);
+  report.recasts.push_back(std::move(recast));
 }
 
 std::vector<std::uint32_t> Document::nodeOfPrimitive() const {
   std::vector<std::uint32_t> nodes{0};
   nodes.reserve(model_.list().size());
-  for (const NodeId node : history_.pathTo(history_.cursor()))
-    nodes.insert(nodes.end(), history_.result(node).stamps, static_cast<std::uint32_t>(node));
+  for (const PlacedNode& placed : placed_) nodes.insert(nodes.end(), placed.count, indexOf(placed.node));
   RESTROKE_CHECK_EQ(nodes.size(), model_.list().size());
   return nodes;
+}
+
+std::size_t Document::cacheBytes() const {
+  std::size_t bytes = placed_.capacity() * sizeof(PlacedNode);
+  for (const PlacedNode& placed : placed_) bytes += placed.reads ? placed.reads->bytes() : 0;
+  return bytes;
 }
 
 }  // namespace restroke::sculpt

@@ -1,22 +1,25 @@
 #pragma once
-// The history tree with its strokes packed: all that is held in memory to undo, redo, branch and retarget
-// (SPEC S5, S6).
+// The history with its strokes packed: all that is held in memory to undo, redo, branch and retarget (SPEC
+// S5, S6, S8).
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "sculpt/command.h"
+#include "sculpt/history_tree.h"
+#include "sculpt/original.h"
 
 namespace restroke::sculpt {
 
-/// Node 0 is the root (the base); the nodes of strokes are numbered from 1 in the order in which they were
-/// recorded, and numbers never change.
-enum class NodeId : std::uint32_t {};
-
-/// The root of every tree: the base before the first stroke.
-inline constexpr NodeId kRootNode{0};
+/// What is wrong with an undo at the root, and with a redo at a node without children.
+inline constexpr const char* kNothingToUndo =
+    "undo: the cursor is at the root, but there must be a stroke to undo";
+inline constexpr const char* kNothingToRedo =
+    "redo: nothing lies ahead of the cursor, but there must be an undone stroke";
 
 /// What is kept of a stroke besides its places on the screen. Leaving something out is for measuring what it
 /// costs: command() then gives 0 ms, or full pressure, for every point.
@@ -31,13 +34,22 @@ struct NodeResult {
   std::uint32_t misses = 0;  ///< input points whose rays missed the shape
 };
 
-/// The tree holds no shape: the state at the cursor is what the strokes on the path from the root make of the
-/// base, in order. Strokes lie one behind the other in one append-only buffer; what is appended is never
-/// rewritten.
+enum class NodeKind : std::uint8_t { Stroke, Fixed, Base, Transform };
+
+/// What a stroke became, for methods whose result depends on the machine: used again while the shape before
+/// it is the same.
+struct KeptRecast {
+  std::uint64_t shapeBefore = 0;  ///< hash of the list that it was cast on
+  Recast recast;
+};
+
+/// A tree, and the command of every node. It holds no shape: the state at the cursor is what the commands on
+/// the path from the root make of the base, in order. Commands lie one behind the other in one append-only
+/// buffer; what is appended is never rewritten, and a copied node refers to the bytes of its source.
 ///
-/// Bytes: 24 a node; cameras (56 each) and brushes (32 each, a tip its parameters more) once while they recur
-/// among the last kReuseWindow different ones; points as in retarget/stroke_codec.h. Buffers grow by an
-/// eighth, so at most 12.5 % of them is unused.
+/// Bytes: 32 a node; cameras (56 each) and brushes (32 each, a tip its parameters more) once while they recur
+/// among the last kReuseWindow different ones; points as in retarget/stroke_codec.h; bases, other volumes,
+/// originals and recorded outcomes on top. Buffers grow by an eighth, so at most 12.5 % of them is unused.
 class History {
  public:
   /// How many of the latest cameras and brushes are compared before another is stored.
@@ -45,49 +57,79 @@ class History {
 
   explicit History(HistoryOptions options = {});
 
-  /// Packs the command (a StrokeCommand or a FixedCommand; anything else is an InternalError) as a new child
-  /// of the cursor, and moves the cursor there. A recorded outcome is kept with it. O(points).
+  [[nodiscard]] const HistoryTree& tree() const { return tree_; }
+
+  /// Packs a command that is a node as a new child of the cursor, and moves the cursor there. Anything else
+  /// is an InternalError. O(points).
   NodeId add(const Command& command, NodeResult result = {});
+  /// Carries out a command that edits the tree or moves its cursor; anything else is an InternalError. Throws
+  /// InputError, and then nothing has changed.
+  void edit(const Command& command);
+  /// Puts the tree back as it was: for edits whose consequences cannot be carried out. Nodes that were copied
+  /// since are forgotten.
+  void restoreTree(const HistoryTree& tree);
+
   /// Unpacks the command again, equal in every field that the options keep. Not for the root. O(points).
   [[nodiscard]] Command command(NodeId node) const;
+  /// Not for the root.
+  [[nodiscard]] NodeKind kind(NodeId node) const;
+  /// Of a stroke. O(1).
+  [[nodiscard]] retarget::Method method(NodeId node) const;
 
-  [[nodiscard]] NodeId cursor() const { return cursor_; }
-  /// The root is its own parent.
-  [[nodiscard]] NodeId parent(NodeId node) const;
-  /// The child that redo goes to: the one last visited, else the oldest; the node itself when it has none.
-  [[nodiscard]] NodeId redoTarget(NodeId node) const;
-  /// Nodes, the root included. Node numbers are less than this.
-  [[nodiscard]] std::size_t size() const { return nodes_.size(); }
-  [[nodiscard]] NodeResult result(NodeId node) const;
-  void setResult(NodeId node, NodeResult result);
+  // The tree's, for short.
+  [[nodiscard]] NodeId cursor() const { return tree_.cursor(); }
+  [[nodiscard]] NodeId parent(NodeId node) const { return tree_.parent(node); }
+  [[nodiscard]] NodeId redoTarget(NodeId node) const { return tree_.redoTarget(node); }
+  [[nodiscard]] std::size_t size() const { return tree_.size(); }
+  [[nodiscard]] std::vector<NodeId> pathTo(NodeId node) const { return tree_.pathTo(node); }
+  void moveCursor(NodeId node) { tree_.moveCursor(node); }
 
-  /// Moves the cursor; redo then goes back along the path on which it last came. O(1) for a step to the
-  /// parent or to a child, else O(depth).
-  void moveCursor(NodeId node);
-  /// Nodes from below the root down to `node`, `node` included; empty for the root. O(depth).
-  [[nodiscard]] std::vector<NodeId> pathTo(NodeId node) const;
+  [[nodiscard]] NodeResult result(NodeId node) const { return records_[indexOf(node)].result; }
+  void setResult(NodeId node, NodeResult result) { records_[indexOf(node)].result = result; }
+
+  /// Where the stroke was when it was first applied; null for methods that need no such thing.
+  [[nodiscard]] std::shared_ptr<const Original> original(NodeId node) const;
+  void setOriginal(NodeId node, std::shared_ptr<const Original> original);
+  /// The latest of the node, where one is kept. O(stamps).
+  [[nodiscard]] std::optional<KeptRecast> keptRecast(NodeId node) const;
+  void keepRecast(const KeptRecast& kept);
 
   /// Bytes held, from the containers' real capacity (DESIGN invariant 11).
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  struct Node {
-    std::uint32_t parent = 0;
-    std::uint32_t redo = 0;  // last visited child; 0 (which is no node's child) while there is none
+  struct Record {
     NodeResult result;
-    std::uint64_t offset = 0;  // of its command in packed_; it ends where the next node's begins
+    std::uint64_t place = 0;  // of its command in packed_; its kind in the top byte
   };
-  static_assert(sizeof(Node) == 24);
+  static_assert(sizeof(Record) == 16);
+  template <class T>
+  struct OfNode {
+    NodeId node;
+    T value;
+  };
 
-  [[nodiscard]] std::span<const std::uint8_t> packed(NodeId node) const;
+  struct PackedRecast {
+    std::uint64_t shapeBefore = 0;
+    std::vector<std::uint8_t> packed;
+  };
+
+  [[nodiscard]] std::span<const std::uint8_t> packed(NodeId node) const;  // to the buffer's end
+  [[nodiscard]] const Brush& brush(NodeId node) const;
+  void packStroke(const StrokeCommand& drawn, std::vector<std::uint8_t>& out);
+  void packFixed(const FixedCommand& fixed, std::vector<std::uint8_t>& out);
+  [[nodiscard]] StrokeCommand unpackStroke(std::span<const std::uint8_t> in) const;
+  [[nodiscard]] FixedCommand unpackFixed(std::span<const std::uint8_t> in) const;
 
   HistoryOptions options_;
-  NodeId cursor_ = kRootNode;
-  std::vector<Node> nodes_;
+  HistoryTree tree_;
+  std::vector<Record> records_;  // by node
   std::vector<Camera> cameras_;
   std::vector<Brush> brushes_;
-  std::vector<implicit::Shape> shapes_;  // of fixed commands, those that are no spheres
+  std::vector<implicit::Shape> shapes_;  // of bases, and of fixed commands those that are no spheres
   std::vector<std::uint8_t> packed_;
+  std::vector<OfNode<std::shared_ptr<const Original>>> originals_;  // by node
+  std::vector<OfNode<PackedRecast>> kept_;                          // by node
 };
 
 }  // namespace restroke::sculpt

@@ -27,25 +27,21 @@ History historyOf(const StrokeLog& log, const std::string& file) {
   History history;
   for (std::size_t i = 0; i < log.commands.size(); ++i) {
     const Command& command = log.commands[i];
-    if (std::holds_alternative<UndoCommand>(command)) {
-      if (history.cursor() == kRootNode)
-        throw InputError(fmt::format("{}: {}", placeOf(log, file, i), kNothingToUndo));
-      history.moveCursor(history.parent(history.cursor()));
-    } else if (std::holds_alternative<RedoCommand>(command)) {
-      if (history.redoTarget(history.cursor()) == history.cursor())
-        throw InputError(fmt::format("{}: {}", placeOf(log, file, i), kNothingToRedo));
-      history.moveCursor(history.redoTarget(history.cursor()));
-    } else {
-      NodeResult result;
-      if (const auto* stroke = std::get_if<StrokeCommand>(&command)) {
-        if (stroke->outcome)
-          result = {
-              .stamps = static_cast<std::uint32_t>(primitivesOf(*stroke->outcome, stroke->brush).size()),
-              .misses = static_cast<std::uint32_t>(stroke->outcome->misses)};
-      } else {
-        result.stamps = static_cast<std::uint32_t>(std::get<FixedCommand>(command).size());
-      }
-      history.add(command, result);
+    NodeResult result;
+    if (const auto* stroke = std::get_if<StrokeCommand>(&command)) {
+      if (stroke->outcome)
+        result = {.stamps = static_cast<std::uint32_t>(primitivesOf(*stroke->outcome, stroke->brush).size()),
+                  .misses = static_cast<std::uint32_t>(stroke->outcome->misses)};
+    } else if (const auto* fixed = std::get_if<FixedCommand>(&command)) {
+      result.stamps = static_cast<std::uint32_t>(fixed->size());
+    }
+    try {
+      if (isNode(command))
+        history.add(command, result);
+      else
+        history.edit(command);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", placeOf(log, file, i), error.what()));
     }
   }
   return history;

@@ -26,6 +26,7 @@ constexpr NumberRange kScreen{-(1 << 24), 1 << 24, "a whole number of 1/16 pixel
 constexpr NumberRange kTime{0, 2147483647.0, "a whole number of milliseconds from 0 to 2^31 - 1"};
 constexpr NumberRange kPressure{0, retarget::kMaxPressure, "a whole number from 0 to 1023"};
 constexpr NumberRange kViewport{1, 65536, "a whole number from 1 to 65536"};
+constexpr NumberRange kNode{0, 4294967294.0, "the number of a node, 0 or more"};
 constexpr NumberRange kCount{0, 9007199254740992.0, "a whole number, 0 or more"};
 
 std::string_view nameOf(Mode mode) {
@@ -65,24 +66,46 @@ void putBrush(std::string& out, const Brush& brush, const std::filesystem::path&
                  formatFloat(brush.radius), formatFloat(brush.spacing), formatFloat(brush.pressureToRadius),
                  nameOf(brush.mode));
   if (brush.trace == Trace::Sweep) out += ",\"trace\":\"sweep\"";
+  if (brush.radii == Radii::Follow) out += ",\"radii\":\"follow\"";
   if (brush.tip) fmt::format_to(std::back_inserter(out), ",\"tip\":{}", formatVolume(*brush.tip, folder));
   out += "},";
 }
 
-// [x, y, z, radius], and behind it what the brush has more of: of a sweep 1 when joined, of a tip its
-// rotation.
-void putStamps(std::string& out, const std::vector<Stamp>& stamps, const Brush& brush) {
+// A row is [x, y, z, radius], and behind it what the brush has more of: of a sweep 1 when joined, of a tip
+// its rotation.
+enum class Columns : std::uint8_t { Ball = 4, Sweep = 5, Tip = 8 };
+
+Columns columnsFor(const Brush& brush) {
+  return brush.trace == Trace::Sweep ? Columns::Sweep : brush.tip ? Columns::Tip : Columns::Ball;
+}
+
+// For a line that does not know the brush: what the stamps have more of.
+Columns columnsFor(const std::vector<Stamp>& stamps) {
+  Columns columns = Columns::Ball;
+  for (const Stamp& s : stamps) {
+    if (s.rotation != Stamp{}.rotation) return Columns::Tip;
+    if (s.joined) columns = Columns::Sweep;
+  }
+  return columns;
+}
+
+void putStamps(std::string& out, const std::vector<Stamp>& stamps, Columns columns) {
   out += "\"stamps\":[";
   for (std::size_t i = 0; i < stamps.size(); ++i) {
     const Stamp& s = stamps[i];
     fmt::format_to(std::back_inserter(out), "{}[{},{},{},{}", i == 0 ? "" : ",", formatFloat(s.center.x),
                    formatFloat(s.center.y), formatFloat(s.center.z), formatFloat(s.radius));
-    if (brush.trace == Trace::Sweep) out += s.joined ? ",1" : ",0";
-    if (brush.tip)
+    if (columns == Columns::Sweep) out += s.joined ? ",1" : ",0";
+    if (columns == Columns::Tip)
       for (const float q : s.rotation) fmt::format_to(std::back_inserter(out), ",{}", formatFloat(q));
     out += ']';
   }
   out += ']';
+}
+
+void putOutcome(std::string& out, const StrokeOutcome& outcome, Columns columns) {
+  fmt::format_to(std::back_inserter(out), "\"misses\":{},\"pieces\":{},", outcome.misses, outcome.pieces);
+  putStamps(out, outcome.stamps, columns);
 }
 
 std::string formatStroke(const StrokeCommand& command, LineContext& context) {
@@ -100,9 +123,8 @@ std::string formatStroke(const StrokeCommand& command, LineContext& context) {
   }
   out += ']';
   if (command.outcome) {
-    fmt::format_to(std::back_inserter(out), ",\"outcome\":{{\"misses\":{},\"pieces\":{},",
-                   command.outcome->misses, command.outcome->pieces);
-    putStamps(out, command.outcome->stamps, command.brush);
+    out += ",\"outcome\":{";
+    putOutcome(out, *command.outcome, columnsFor(command.brush));
     out += '}';
   }
   return out + "}}";
@@ -112,6 +134,10 @@ Vec3 vecOf(const JsonField& field, const NumberRange& range) {
   if (field.arraySize() != 3) field.refuse("an array of 3 numbers");
   return {field.element(0).number32(range), field.element(1).number32(range),
           field.element(2).number32(range)};
+}
+
+NodeId nodeOf(const JsonField& field) {
+  return NodeId{static_cast<std::uint32_t>(field.integer(kNode))};
 }
 
 std::vector<implicit::Sphere> spheresOf(const JsonField& field) {
@@ -150,7 +176,7 @@ Camera cameraOf(const JsonField& field) {
 }
 
 Brush brushOf(const JsonField& field, const std::filesystem::path& folder) {
-  field.requireKeysAmong({"radius", "spacing", "pressureToRadius", "mode", "trace", "tip"});
+  field.requireKeysAmong({"radius", "spacing", "pressureToRadius", "mode", "trace", "radii", "tip"});
   Brush brush{.radius = field.member("radius").number32(kRadius),
               .spacing = field.member("spacing").number32(kNumber),
               .pressureToRadius = field.member("pressureToRadius").number32(kNumber),
@@ -160,32 +186,45 @@ Brush brushOf(const JsonField& field, const std::filesystem::path& folder) {
     if (trace.value() != "stamps" && trace.value() != "sweep") trace.refuse("\"stamps\" or \"sweep\"");
     brush.trace = trace.value() == "sweep" ? Trace::Sweep : Trace::Stamps;
   }
+  if (field.has("radii")) {
+    const JsonField radii = field.member("radii");
+    if (radii.value() != "keep" && radii.value() != "follow") radii.refuse("\"keep\" or \"follow\"");
+    brush.radii = radii.value() == "follow" ? Radii::Follow : Radii::Keep;
+  }
   if (field.has("tip")) brush.tip = volumeOf(field.member("tip"), folder);
   return brush;
 }
 
-std::vector<Stamp> stampsOf(const JsonField& field, const Brush& brush) {
-  const std::size_t columns = brush.trace == Trace::Sweep ? 5 : brush.tip ? 8 : 4;
+std::vector<Stamp> stampsOf(const JsonField& field, Columns kind) {
+  const auto columns = static_cast<std::size_t>(kind);
   std::vector<Stamp> stamps(field.arraySize());
   for (std::size_t i = 0; i < stamps.size(); ++i) {
     const JsonField row = field.element(i);
     if (row.arraySize() != columns)
-      row.refuse(columns == 4   ? "an array [x, y, z, radius]"
-                 : columns == 5 ? "an array [x, y, z, radius, joined]"
-                                : "an array [x, y, z, radius, and the rotation's quaternion]");
+      row.refuse(kind == Columns::Ball    ? "an array [x, y, z, radius]"
+                 : kind == Columns::Sweep ? "an array [x, y, z, radius, joined]"
+                                          : "an array [x, y, z, radius, and the rotation's quaternion]");
     Stamp& stamp = stamps[i];
     stamp.center = {row.element(0).number32(kCoordinate), row.element(1).number32(kCoordinate),
                     row.element(2).number32(kCoordinate)};
     stamp.radius = row.element(3).number32(kRadius);
-    if (columns == 5) {
+    if (kind == Columns::Sweep) {
       constexpr NumberRange kFlag{0, 1, "0, or 1 for a stamp that the ball came to from the one before"};
       stamp.joined = row.element(4).integer(kFlag) == 1;
       if (stamp.joined && i == 0) row.element(4).refuse("0, since no stamp comes before");
     }
-    if (columns == 8)
+    if (kind == Columns::Tip)
       for (std::size_t k = 0; k < 4; ++k) stamp.rotation[k] = row.element(4 + k).number32(kNumber);
   }
   return stamps;
+}
+
+StrokeOutcome outcomeOf(const JsonField& field, Columns columns) {
+  StrokeOutcome outcome;
+  outcome.misses = static_cast<std::size_t>(field.member("misses").integer(kCount));
+  outcome.pieces = static_cast<std::size_t>(field.member("pieces").integer(kCount));
+  outcome.stamps = stampsOf(field.member("stamps"), columns);
+  return outcome;
 }
 
 std::vector<retarget::StrokePoint> pointsOf(const JsonField& field) {
@@ -246,13 +285,9 @@ StrokeCommand strokeOf(const JsonField& field, LineContext& context) {
                       "depends on the machine",
                       field.where(), retarget::nameOf(command.method)));
     recorded.requireKeysAmong({"misses", "pieces", "stamps"});
-    StrokeOutcome outcome;
-    outcome.misses = static_cast<std::size_t>(recorded.member("misses").integer(kCount));
-    outcome.pieces = static_cast<std::size_t>(recorded.member("pieces").integer(kCount));
-    if (outcome.misses > command.stroke.points.size())
+    command.outcome = outcomeOf(recorded, columnsFor(command.brush));
+    if (command.outcome->misses > command.stroke.points.size())
       recorded.member("misses").refuse("at most the number of points");
-    outcome.stamps = stampsOf(recorded.member("stamps"), command.brush);
-    command.outcome = std::move(outcome);
   }
   const std::string where = field.where() + ": stroke";
   retarget::validate(command.stroke, where);
@@ -260,6 +295,136 @@ StrokeCommand strokeOf(const JsonField& field, LineContext& context) {
   context.camera = command.stroke.camera;
   context.brush = command.brush;
   return command;
+}
+
+// Edits of the tree, moves of its cursor, changes of the base
+// -------------------------------------------------
+
+void putRecasts(std::string& out, const Consequences& consequences) {
+  if (consequences.recasts.empty()) return;
+  out += ",\"recasts\":[";
+  bool first = true;
+  for (const Recast& recast : consequences.recasts) {
+    fmt::format_to(std::back_inserter(out), "{}{{\"node\":{},", first ? "" : ",", indexOf(recast.node));
+    first = false;
+    if (recast.camera) {
+      putCamera(out, *recast.camera);
+      fmt::format_to(std::back_inserter(out), "\"scale\":{}", formatFloat(recast.scale));
+    } else if (recast.outcome) {
+      putOutcome(out, *recast.outcome, columnsFor(recast.outcome->stamps));
+    }
+    out += '}';
+  }
+  out += ']';
+}
+
+std::vector<Recast> recastsOf(const JsonField& command) {
+  if (!command.has("recasts")) return {};
+  const JsonField field = command.member("recasts");
+  std::vector<Recast> recasts(field.arraySize());
+  for (std::size_t i = 0; i < recasts.size(); ++i) {
+    const JsonField row = field.element(i);
+    Recast& recast = recasts[i];
+    recast.node = nodeOf(row.member("node"));
+    if (row.has("camera")) {
+      row.requireKeysAmong({"node", "camera", "scale"});
+      recast.camera = cameraOf(row.member("camera"));
+      recast.scale = row.member("scale").number32(kPositive);
+      restroke::validate(*recast.camera, row.where() + ": " + row.path() + ".camera");
+    } else {
+      row.requireKeysAmong({"node", "misses", "pieces", "stamps"});
+      const JsonField stamps = row.member("stamps");
+      const std::size_t columns = stamps.arraySize() == 0 ? 4 : stamps.element(0).arraySize();
+      recast.outcome = outcomeOf(row, columns == 8   ? Columns::Tip
+                                      : columns == 5 ? Columns::Sweep
+                                                     : Columns::Ball);
+    }
+  }
+  return recasts;
+}
+
+/// The name of an edit, and how its fields are written and read.
+template <class Edit>
+struct EditText {
+  const char* name;
+  const char* extentKey = nullptr;  ///< the key whose presence means the extent that is not the default
+};
+constexpr EditText<UndoCommand> kUndo{"undo"};
+constexpr EditText<RedoCommand> kRedo{"redo"};
+constexpr EditText<GotoCommand> kGoto{"goto"};
+constexpr EditText<CancelCommand> kCancel{"cancel", "branch"};
+constexpr EditText<RestoreCommand> kRestore{"restore", "branch"};
+constexpr EditText<MoveCommand> kMove{"move", "single"};
+constexpr EditText<CopyCommand> kCopy{"copy", "single"};
+
+/// Calls f with the EditText of each.
+template <class F>
+void forEachEdit(const F& f) {
+  f(kUndo);
+  f(kRedo);
+  f(kGoto);
+  f(kCancel);
+  f(kRestore);
+  f(kMove);
+  f(kCopy);
+}
+
+template <class Edit>
+std::string formatEdit(const EditText<Edit>& text, const Edit& edit) {
+  std::string inside;
+  if constexpr (requires { edit.node; })
+    fmt::format_to(std::back_inserter(inside), ",\"node\":{}", indexOf(edit.node));
+  if constexpr (requires { edit.to; })
+    fmt::format_to(std::back_inserter(inside), ",\"to\":{}", indexOf(edit.to));
+  if constexpr (requires { edit.extent; })
+    if (edit.extent != Edit{}.extent)
+      fmt::format_to(std::back_inserter(inside), ",\"{}\":true", text.extentKey);
+  if constexpr (requires { edit.recasts; }) putRecasts(inside, edit);
+  if (!inside.empty()) inside.erase(0, 1);
+  return fmt::format("{{\"{}\":{{{}}}}}", text.name, inside);
+}
+
+template <class Edit>
+Edit editOf(const EditText<Edit>& text, const JsonField& field) {
+  Edit edit;
+  constexpr bool kHasNode = requires { edit.node; }, kHasTo = requires { edit.to; },
+                 kHasRecasts = requires { edit.recasts; };
+  // A key that the edit does not have is given twice: a list of keys has a fixed length here.
+  field.requireKeysAmong({kHasNode ? "node" : text.name, kHasTo ? "to" : text.name,
+                          text.extentKey ? text.extentKey : text.name, kHasRecasts ? "recasts" : text.name});
+  if constexpr (kHasNode) edit.node = nodeOf(field.member("node"));
+  if constexpr (kHasTo) edit.to = nodeOf(field.member("to"));
+  if constexpr (requires { edit.extent; })
+    if (field.has(text.extentKey)) {
+      const JsonField flag = field.member(text.extentKey);
+      if (!flag.value().is_boolean()) flag.refuse("true or false");
+      if (flag.value().template get<bool>())
+        edit.extent = edit.extent == Extent::Single ? Extent::Branch : Extent::Single;
+    }
+  if constexpr (kHasRecasts) edit.recasts = recastsOf(field);
+  return edit;
+}
+
+TransformCommand transformOf(const JsonField& field) {
+  field.requireKeysAmong({"matrix", "recasts"});
+  const JsonField matrix = field.member("matrix");
+  TransformCommand command;
+  if (matrix.arraySize() != command.matrix.size()) matrix.refuse("an array of 12 numbers, 3 rows of 4");
+  for (std::size_t i = 0; i < command.matrix.size(); ++i)
+    command.matrix[i] = matrix.element(i).number32(kNumber);
+  command.recasts = recastsOf(field);
+  return command;
+}
+
+std::string formatTransform(const TransformCommand& command) {
+  std::string out = "{\"transform\":{\"matrix\":[";
+  for (std::size_t i = 0; i < command.matrix.size(); ++i) {
+    if (i > 0) out += ',';
+    out += formatFloat(command.matrix[i]);
+  }
+  out += ']';
+  putRecasts(out, command);
+  return out + "}}";
 }
 
 std::string whereOf(const TextOrigin& origin) {
@@ -301,7 +466,17 @@ std::string formatCommand(const Command& command, LineContext& context) {
     out += "}}";
     return out;
   }
-  return std::holds_alternative<UndoCommand>(command) ? "{\"undo\":{}}" : "{\"redo\":{}}";
+  if (const auto* base = std::get_if<BaseCommand>(&command)) {
+    std::string out = fmt::format("{{\"base\":{{\"shape\":{}", formatShape(base->base, context.folder));
+    putRecasts(out, *base);
+    return out + "}}";
+  }
+  if (const auto* transform = std::get_if<TransformCommand>(&command)) return formatTransform(*transform);
+  std::string out;
+  forEachEdit([&]<class Edit>(const EditText<Edit>& text) {
+    if (const auto* edit = std::get_if<Edit>(&command)) out = formatEdit(text, *edit);
+  });
+  return out;
 }
 
 LogHeader parseHeader(std::string_view line, const TextOrigin& origin, const std::filesystem::path& folder) {
@@ -332,7 +507,8 @@ LogHeader parseHeader(std::string_view line, const TextOrigin& origin, const std
 Command parseCommand(std::string_view line, const TextOrigin& origin, LineContext& context) {
   const json text = parseJson(line, origin);
   const JsonField field(text, whereOf(origin));
-  field.requireKeysAmong({"stroke", "fixed", "undo", "redo"});
+  field.requireKeysAmong(
+      {"stroke", "fixed", "base", "transform", "undo", "redo", "goto", "cancel", "restore", "move", "copy"});
   if (text.size() != 1) field.refuse("an object with exactly one command");
   if (field.has("stroke")) return strokeOf(field.member("stroke"), context);
   if (field.has("fixed")) {
@@ -346,10 +522,17 @@ Command parseCommand(std::string_view line, const TextOrigin& origin, LineContex
     }
     return command;
   }
-  const char* name = field.has("undo") ? "undo" : "redo";
-  field.member(name).requireKeysAmong({});
-  if (field.has("undo")) return UndoCommand{};
-  return RedoCommand{};
+  if (field.has("base")) {
+    const JsonField base = field.member("base");
+    base.requireKeysAmong({"shape", "recasts"});
+    return BaseCommand{{recastsOf(base)}, shapeOf(base.member("shape"), context.folder)};
+  }
+  if (field.has("transform")) return transformOf(field.member("transform"));
+  std::optional<Command> edit;
+  forEachEdit([&]<class Edit>(const EditText<Edit>& one) {
+    if (field.has(one.name)) edit = editOf(one, field.member(one.name));
+  });
+  return std::move(edit).value();
 }
 
 }  // namespace restroke::sculpt

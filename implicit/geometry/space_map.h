@@ -53,6 +53,19 @@ struct Affine {
   return both;
 }
 
+/// The map must not make anything flat.
+[[nodiscard]] inline Affine inverse(const Affine& map) {
+  const std::array<double, 9>& m = map.matrix;
+  const double d = 1 / map.determinant();
+  Affine back;
+  back.matrix = {
+      (m[4] * m[8] - m[5] * m[7]) * d, (m[2] * m[7] - m[1] * m[8]) * d, (m[1] * m[5] - m[2] * m[4]) * d,
+      (m[5] * m[6] - m[3] * m[8]) * d, (m[0] * m[8] - m[2] * m[6]) * d, (m[2] * m[3] - m[0] * m[5]) * d,
+      (m[3] * m[7] - m[4] * m[6]) * d, (m[1] * m[6] - m[0] * m[7]) * d, (m[0] * m[4] - m[1] * m[3]) * d};
+  back.offset = -back.direction(map.offset);
+  return back;
+}
+
 /// Any smooth invertible map that keeps sides apart.
 class SpaceMap {
  public:

@@ -57,6 +57,12 @@ struct HistoryCommandOptions {
   CommonOptions common;
   std::string log;
   std::string action;
+  std::string argument;  ///< a node's number, a base, or the words of a transform
+  std::string to;        ///< of move and copy: a node's number
+  bool single = false;   ///< of move and copy: the one node
+  bool branch = false;   ///< of cancel and restore: all that descends from it as well
+  std::string repair;    ///< of base
+  std::string svg;       ///< of show
 };
 
 struct RetargetOptions {

@@ -114,9 +114,28 @@ CLI::App* addExport(CLI::App& app, ExportOptions& o) {
 }
 
 CLI::App* addHistory(CLI::App& app, HistoryCommandOptions& o) {
-  CLI::App* c = app.add_subcommand("history", "show a log's history tree, undo or redo");
+  CLI::App* c = app.add_subcommand("history", "show a log's history tree, go through it, and edit it");
+  c->footer(
+      "show                       the tree; --svg draws it\n"
+      "undo, redo, goto N         move the cursor\n"
+      "cancel N, restore N        node N contributes nothing, or contributes again; with --branch all that "
+      "descends from it too\n"
+      "move N --to M              node N and its branch, or with --single N alone, become a child of node M, "
+      "ahead of the cursor\n"
+      "copy N --to M              the same with a copy\n"
+      "base SHAPE                 another base under all strokes\n"
+      "transform \"WORDS\"          of the base: \"translate x y z; rotate ax ay az degrees; scale s\"\n"
+      "Each but show appends one line to the log.");
   c->add_option("log", o.log, "stroke log")->required();
-  c->add_option("action", o.action, "show, undo or redo")->required();
+  c->add_option("action", o.action, "show, undo, redo, goto, cancel, restore, move, copy, base or transform")
+      ->required();
+  c->add_option("argument", o.argument, "a node's number, a base, or the words of a transform");
+  c->add_option("--to", o.to, "of move and copy: the node that it is to follow")->type_name("M");
+  c->add_flag("--single", o.single, "of move and copy: the one node; its children go to its parent");
+  c->add_flag("--branch", o.branch, "of cancel and restore: all that descends from the node as well");
+  c->add_option("--repair", o.repair,
+                "of base: winding, what to make of a mesh that is no boundary of a solid");
+  c->add_option("--svg", o.svg, "of show: drawing to write")->type_name("FILE");
   addCommon(c, o.common);
   return c;
 }
@@ -128,7 +147,8 @@ CLI::App* addRetarget(CLI::App& app, RetargetOptions& o) {
   c->add_option("--repair", o.repair, "winding: what to make of a mesh that is no boundary of a solid");
   c->add_option("--transform", o.transform,
                 "of the base: \"translate x y z; rotate ax ay az degrees; scale s\", left to right");
-  c->add_option("--method", o.method, "exact (default), embree, depth or depth-cpu");
+  c->add_option("--method", o.method,
+                "exact (default), embree, depth, depth-cpu, fixed, nearest, mapped, surface or aligned");
   c->add_option("--out", o.out, "log to write")->required();
   addCommon(c, o.common);
   return c;

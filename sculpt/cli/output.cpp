@@ -68,4 +68,8 @@ std::string grouped(std::size_t number) {
   return text;
 }
 
+std::string plural(std::size_t count, std::string_view word) {
+  return fmt::format("{} {}{}", grouped(count), word, count == 1 ? "" : word.ends_with("s") ? "es" : "s");
+}
+
 }  // namespace restroke::cli

@@ -57,5 +57,7 @@ class Progress {
 
 /// 1234567 as "1,234,567".
 [[nodiscard]] std::string grouped(std::size_t number);
+/// "1 stroke", "2 strokes", "3 misses".
+[[nodiscard]] std::string plural(std::size_t count, std::string_view word);
 
 }  // namespace restroke::cli

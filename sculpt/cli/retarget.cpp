@@ -3,12 +3,41 @@
 #include <nlohmann/json.hpp>
 
 #include "implicit/errors.h"
+#include "sculpt/base_change.h"
 #include "sculpt/cli/commands.h"
 #include "sculpt/cli/output.h"
 #include "sculpt/cli/replaying.h"
 #include "sculpt/cli/words.h"
 
 namespace restroke::cli {
+
+namespace {
+
+/// Methods that only cast need no more than the new base under the log. Those that follow a change must see
+/// it happen: they get it as commands at the log's end.
+void changeBase(sculpt::StrokeLog& log, const RetargetOptions& options, retarget::Method method) {
+  const bool follows = retarget::needsTrail(method);
+  const auto append = [&](sculpt::Command command) {
+    log.commands.push_back(std::move(command));
+    log.lines.push_back(log.lines.empty() ? 2 : log.lines.back() + 1);
+  };
+  if (!options.base.empty()) {
+    const implicit::Shape base =
+        sculpt::shapeNamed(options.base, repairNamed(options.repair), "--base", Output::note);
+    if (follows)
+      append(sculpt::BaseCommand{{}, base});
+    else
+      log.header.base = base;
+  }
+  if (options.transform.empty()) return;
+  const Affine map = sculpt::affineNamed(options.transform, "--transform");
+  if (follows)
+    append(sculpt::TransformCommand{{}, sculpt::matrixOf(map)});
+  else
+    log.header.base = sculpt::mappedShape(log.header.base, map, "--transform");
+}
+
+}  // namespace
 
 int runRetarget(const RetargetOptions& options) {
   const retarget::Method method = [&] {
@@ -21,15 +50,13 @@ int runRetarget(const RetargetOptions& options) {
   const Execution execution = executionOf(options.common);
   sculpt::StrokeLog log = readLogNoting(options.log);
   refuseStampList(log, options.log, "retarget");
-  if (!options.base.empty())
-    log.header.base = sculpt::shapeNamed(options.base, repairNamed(options.repair), "--base", Output::note);
-  log.header.base = transformed(log.header.base, options.transform);
   for (sculpt::Command& command : log.commands) {
     auto* stroke = std::get_if<sculpt::StrokeCommand>(&command);
     if (!stroke) continue;
     stroke->method = method;
     stroke->outcome.reset();
   }
+  changeBase(log, options, method);
   Output output(options.common);
 
   nlohmann::ordered_json strokes = nlohmann::ordered_json::array();

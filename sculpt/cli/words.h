@@ -14,11 +14,6 @@
 
 namespace restroke::cli {
 
-/// Carries out "translate x y z; rotate ax ay az degrees; scale s" on a base, from left to right, about the
-/// origin; each part may occur any number of times. Computed in double, rounded to float32 at the end. "scale
-/// sx sy sz" makes an ellipsoid of a sphere; other shapes are only scaled evenly.
-[[nodiscard]] implicit::Shape transformed(const implicit::Shape& base, std::string_view transform);
-
 /// What --repair says: "winding" or nothing.
 [[nodiscard]] sculpt::Repair repairNamed(std::string_view text);
 

@@ -1,0 +1,159 @@
+#pragma once
+// Shapes that moved, with the true motion, for tests and measurements of retarget/alignment.h.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "implicit/geometry/triangle_mesh.h"
+#include "retarget/alignment.h"
+#include "tests/support/brute_force.h"
+
+namespace restroke::testing {
+
+/// Longest side of its box.
+inline double sizeOf(const TriangleMesh& mesh) {
+  const Box box = boundsOf(mesh);
+  const Vec3 size = box.max - box.min;
+  return static_cast<double>(std::max({size.x, size.y, size.z}));
+}
+
+/// Draws points of a mesh's surface, each place as likely as any other, with normals that go smoothly over from
+/// triangle to triangle.
+class SurfaceSampler {
+ public:
+  explicit SurfaceSampler(TriangleMesh mesh) : mesh_(std::move(mesh)), normals_(mesh_.vertices.size()) {
+    double area = 0;
+    for (const auto& t : mesh_.triangles) {
+      const DVec3 a(mesh_.vertices[t[0]]), b(mesh_.vertices[t[1]]), c(mesh_.vertices[t[2]]);
+      const DVec3 twice = cross(b - a, c - a);
+      area += length(twice);
+      areas_.push_back(area);
+      for (const std::uint32_t v : t) normals_[v] += twice;
+    }
+  }
+
+  [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
+
+  [[nodiscard]] std::vector<retarget::OrientedPoint> draw(std::size_t count, std::uint32_t seed) const {
+    Random random{seed};
+    std::vector<retarget::OrientedPoint> points;
+    while (points.size() < count) {
+      const double at = static_cast<double>(random.between(0, 1)) * areas_.back();
+      const auto k = static_cast<std::size_t>(std::lower_bound(areas_.begin(), areas_.end(), at) - areas_.begin());
+      double u = static_cast<double>(random.between(0, 1)), v = static_cast<double>(random.between(0, 1));
+      if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+      }
+      const auto& t = mesh_.triangles[std::min(k, areas_.size() - 1)];
+      const auto mix = [&](DVec3 a, DVec3 b, DVec3 c) { return (1 - u - v) * a + u * b + v * c; };
+      const DVec3 normal = mix(normals_[t[0]], normals_[t[1]], normals_[t[2]]);
+      if (!(length(normal) > 0)) continue;
+      points.push_back({Point(mix(DVec3(mesh_.vertices[t[0]]), DVec3(mesh_.vertices[t[1]]), DVec3(mesh_.vertices[t[2]]))),
+                        Vec3(normalized(normal))});
+    }
+    return points;
+  }
+
+ private:
+  TriangleMesh mesh_;
+  std::vector<DVec3> normals_;
+  std::vector<double> areas_;  // running sums
+};
+
+/// A polyline of about that length on the surface of which `points` are a dense sampling: steps along the tangent
+/// plane, each drawn back to the surface.
+inline std::vector<Point> strokeOn(const std::vector<retarget::OrientedPoint>& points, double strokeLength,
+                                   Random& random) {
+  constexpr int kSteps = 24;
+  retarget::OrientedPoint here = points[random.below(static_cast<std::uint32_t>(points.size()))];
+  DVec3 direction(random.inCube(1));
+  std::vector<Point> stroke{here.position};
+  for (int k = 0; k < kSteps; ++k) {
+    const DVec3 normal(here.normal);
+    direction = normalized(direction - dot(direction, normal) * normal);
+    const DVec3 wanted = DVec3(here.position) + (strokeLength / kSteps) * direction;
+    const auto nearest = std::min_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
+      const DVec3 da = DVec3(a.position) - wanted, db = DVec3(b.position) - wanted;
+      return dot(da, da) < dot(db, db);
+    });
+    const DVec3 n(nearest->normal);
+    here = {Point(wanted - dot(wanted - DVec3(nearest->position), n) * n), nearest->normal};
+    stroke.push_back(here.position);
+  }
+  return stroke;
+}
+
+inline double lengthOf(const std::vector<Point>& stroke) {
+  double sum = 0;
+  for (std::size_t k = 1; k < stroke.size(); ++k) sum += length(DVec3(stroke[k]) - DVec3(stroke[k - 1]));
+  return sum;
+}
+
+/// RMS distance of the points' images under the two motions, as part of the stroke's length after `truth`.
+inline double strokeError(const std::vector<Point>& stroke, const Similarity& estimate, const Similarity& truth) {
+  double sum = 0;
+  for (const Point p : stroke) {
+    const DVec3 d = moved(estimate, DVec3(p)) - moved(truth, DVec3(p));
+    sum += dot(d, d);
+  }
+  return std::sqrt(sum / static_cast<double>(stroke.size())) / (lengthOf(stroke) * truth.scale);
+}
+
+inline std::vector<retarget::OrientedPoint> movedPoints(const Similarity& m,
+                                                        std::vector<retarget::OrientedPoint> points) {
+  for (auto& p : points)
+    p = {Point(moved(m, DVec3(p.position))), Vec3(normalized(turned(m.rotation, DVec3(p.normal))))};
+  return points;
+}
+
+enum class TrialMotion : std::uint8_t { None, Shift, Turn, Scale, All };
+
+/// Shift by half the size, turn by 45 degrees, scale by 1.5, in or about random directions and the mesh's centre.
+inline Similarity trialMotion(TrialMotion kind, const TriangleMesh& mesh, Random& random) {
+  const auto axis = [&] {
+    DVec3 v(random.inCube(1));
+    while (!(length(v) > 0.1)) v = DVec3(random.inCube(1));
+    return normalized(v);
+  };
+  const bool isAll = kind == TrialMotion::All;
+  const DVec3 center(boundsOf(mesh).center());
+  Similarity m;
+  if (kind == TrialMotion::Turn || isAll) m.rotation = rotationAbout(axis(), std::sqrt(2.0) - 1);
+  if (kind == TrialMotion::Scale || isAll) m.scale = 1.5;
+  m.translation = center - m.scale * turned(m.rotation, center);
+  if (kind == TrialMotion::Shift || isAll) m.translation += 0.5 * sizeOf(mesh) * axis();
+  return m;
+}
+
+/// A smooth change of everything farther than `radius` from `center`: there space is twisted about an axis
+/// through the centre and swells, both growing to their full amount within `fade`.
+struct Deformation {
+  DVec3 center{0}, axis{0, 0, 1};
+  double radius = 1, fade = 1, turn = 0.8, swelling = 0.3;
+
+  [[nodiscard]] DVec3 operator()(DVec3 p) const {
+    const DVec3 d = p - center;
+    const double t = std::clamp((length(d) - radius) / fade, 0.0, 1.0), w = t * t * (3 - 2 * t);
+    if (w == 0) return p;
+    return center + (1 + swelling * w) * turned(rotationAbout(axis, std::tan(0.5 * w * turn)), d);
+  }
+};
+
+inline std::vector<retarget::OrientedPoint> deformedPoints(const Deformation& deform,
+                                                           std::vector<retarget::OrientedPoint> points) {
+  const double h = 1e-4 * deform.radius;
+  for (auto& p : points) {
+    const DVec3 at(p.position), n(p.normal);
+    const DVec3 u = normalized(cross(n, std::fabs(n.x) < 0.8 ? DVec3(1, 0, 0) : DVec3(0, 1, 0))), v = cross(n, u);
+    const DVec3 du = deform(at + h * u) - deform(at - h * u), dv = deform(at + h * v) - deform(at - h * v);
+    p = {Point(deform(at)), Vec3(normalized(cross(du, dv)))};
+  }
+  return points;
+}
+
+}  // namespace restroke::testing
