@@ -1,6 +1,7 @@
 #pragma once
 // A closed volume other than the sphere, in its own frame (SPEC S1, S13): what each kind provides.
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -60,6 +61,12 @@ class Volume {
   /// Near-uniform samples, about `count` of them (a value of sampleCountFor). Made at the first call and kept
   /// as long as the volume. Thread-safe.
   [[nodiscard]] const SampleTable& samples(std::uint32_t count) const;
+  /// Where sidesOfCells (clearance_grid.h) can be read. Null there until countAsked has come to as many points
+  /// as a grid has cells: a volume that is asked little never pays for one. No result depends on it. To be
+  /// read atomically.
+  [[nodiscard]] const std::int8_t* const* cells() const { return &cells_; }
+  /// So many points were asked about one by one. Thread-safe.
+  void countAsked(std::uint32_t points) const;
   /// Bytes held, the samples made so far included.
   [[nodiscard]] std::size_t bytes() const;
 
@@ -79,6 +86,9 @@ class Volume {
   VolumeMeasures measures_;
   mutable std::mutex mutex_;
   mutable std::vector<std::pair<std::uint32_t, std::unique_ptr<SampleTable>>> tables_;  // by count asked for
+  mutable std::atomic<std::uint32_t> asked_{0};
+  mutable std::vector<std::int8_t> sidesOfCells_;
+  mutable const std::int8_t* cells_ = nullptr;
 };
 
 /// Writes the batch once for all kinds: `Kind` has `bool inside(DVec3 p, double dilation) const`.
