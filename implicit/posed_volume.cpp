@@ -106,6 +106,7 @@ PosedVolume::PosedVolume(std::shared_ptr<const Volume> volume, const Pose& pose)
   bounds_.max = Point(position_ + DVec3(extent({1, 0, 0}), extent({0, 1, 0}), extent({0, 0, 1})));
   bounds_.min = Point(position_ - DVec3(extent({-1, 0, 0}), extent({0, -1, 0}), extent({0, 0, -1})));
   placeGrid();
+  volume_->countPlace();
 }
 
 void PosedVolume::placeGrid() {

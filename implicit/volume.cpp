@@ -1,8 +1,33 @@
 #include "implicit/volume.h"
 
+#include <algorithm>
+#include <array>
+
 #include "implicit/clearance_grid.h"
 
 namespace restroke::implicit {
+
+namespace {
+
+// The last tables that a thread has made for volumes that do not keep them. The youngest stands before
+// `next`, around the ring.
+struct RecentTables {
+  struct Entry {
+    std::uint64_t volume = 0;
+    std::uint32_t count = 0;
+    std::unique_ptr<const SampleTable> table;
+  };
+  std::array<Entry, kRecentSamples> ring;
+  std::size_t next = 0;
+};
+
+}  // namespace
+
+Volume::Volume(const VolumeKind& kind, VolumeParameters parameters)
+    : kind_(kind), parameters_(std::move(parameters)) {
+  static std::atomic<std::uint64_t> last{0};
+  id_ = last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
 
 void Volume::countAsked(std::uint32_t points) const {
   // Threads may lose each other's counts: the grid comes a little later then.
@@ -16,6 +41,16 @@ void Volume::countAsked(std::uint32_t points) const {
 }
 
 const SampleTable& Volume::samples(std::uint32_t count) const {
+  if (!keepsSamples()) {
+    thread_local RecentTables recent;
+    for (std::size_t back = 1; back <= kRecentSamples; ++back) {
+      const RecentTables::Entry& entry = recent.ring[(recent.next - back) % kRecentSamples];
+      if (entry.volume == id_ && entry.count == count) return *entry.table;
+    }
+    RecentTables::Entry& oldest = recent.ring[recent.next++ % kRecentSamples];
+    oldest = {id_, count, std::make_unique<const SampleTable>(makeSamples(count))};
+    return *oldest.table;
+  }
   const std::lock_guard lock(mutex_);
   for (const auto& [known, table] : tables_)
     if (known == count) return *table;

@@ -64,6 +64,18 @@ SampleTable::SampleTable(std::span<const SurfaceSample> samples) {
   makeTree();
 }
 
+SampleTable::SampleTable(Columns samples)
+    : x_(std::move(samples.x)),
+      y_(std::move(samples.y)),
+      z_(std::move(samples.z)),
+      nx_(std::move(samples.nx)),
+      ny_(std::move(samples.ny)),
+      nz_(std::move(samples.nz)) {
+  RESTROKE_CHECK_EQ(x_.size() % kPatch, std::size_t{0});
+  RESTROKE_CHECK_LE(std::size_t{1}, x_.size());
+  makeTree();
+}
+
 SampleTable SampleTable::ofDirections(std::span<const Vec3> directions) {
   SampleTable table;
   std::vector<std::uint32_t> order;
@@ -119,11 +131,12 @@ void SampleTable::makeTree() {
       b.x[k] = static_cast<float>(mean.x);
       b.y[k] = static_cast<float>(mean.y);
       b.z[k] = static_cast<float>(mean.z);
-      double farthest = 0;
-      for (std::size_t i = first; i < last; ++i)
-        farthest = std::max(
-            farthest, length(DVec3(position(static_cast<std::uint32_t>(i))) - DVec3(b.x[k], b.y[k], b.z[k])));
-      b.radius[k] = static_cast<float>(farthest * 1.00001 + 1e-6 * static_cast<double>(reach));
+      double farthest = 0;  // squared
+      for (std::size_t i = first; i < last; ++i) {
+        const DVec3 d = DVec3(position(static_cast<std::uint32_t>(i))) - DVec3(b.x[k], b.y[k], b.z[k]);
+        farthest = std::max(farthest, dot(d, d));
+      }
+      b.radius[k] = static_cast<float>(std::sqrt(farthest) * 1.00001 + 1e-6 * static_cast<double>(reach));
     }
     bounds_.push_back(std::move(b));
     if (nodes <= kPatch) break;

@@ -27,6 +27,11 @@ class SampleTable {
  public:
   /// Their number is a multiple of kPatch, more than 0. O(n log n).
   explicit SampleTable(std::span<const SurfaceSample> samples);
+  /// Of samples that are compact in the order that they come in; their number as above. O(n).
+  struct Columns {
+    std::vector<float> x, y, z, nx, ny, nz;
+  };
+  explicit SampleTable(Columns samples);
   /// A unit sphere's: positions are normals, and kept once.
   static SampleTable ofDirections(std::span<const Vec3> directions);
 

@@ -141,13 +141,13 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
   }
 
  protected:
-  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
+  [[nodiscard]] SampleTable makeSamples(std::uint32_t count) const override {
     const std::vector<std::uint32_t> regions = smoothRegions();
     std::vector<SurfaceTriangle> triangles;
     triangles.reserve(mesh_.triangles.size());
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
       triangles.push_back({corner(t, 0), corner(t, 1), corner(t, 2), normals_[t], regions[t]});
-    return samplePoisson(triangles, count);
+    return SampleTable(samplePoisson(triangles, count));
   }
   [[nodiscard]] std::size_t ownBytes() const override {
     return (distances_.capacity() + firstInColumn_.capacity() + inColumns_.capacity()) * sizeof(float) + normals_.capacity() * sizeof(DVec3) +

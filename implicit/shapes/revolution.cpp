@@ -126,9 +126,9 @@ class Revolution final : public VolumeOf<Revolution> {
   }
 
  protected:
-  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
+  [[nodiscard]] SampleTable makeSamples(std::uint32_t count) const override {
     const Chart whole = chart();
-    return sampleCharts({&whole, 1}, count);
+    return SampleTable(sampleCharts({&whole, 1}, count));
   }
   [[nodiscard]] std::size_t ownBytes() const override {
     std::size_t bytes = rows_.capacity() * sizeof(rows_.front());

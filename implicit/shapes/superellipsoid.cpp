@@ -89,8 +89,8 @@ class Superellipsoid final : public VolumeOf<Superellipsoid> {
   }
 
  protected:
-  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
-    return sampleCharts(charts(), count);
+  [[nodiscard]] SampleTable makeSamples(std::uint32_t count) const override {
+    return SampleTable(sampleCharts(charts(), count));
   }
 
  private:
