@@ -52,6 +52,9 @@ class SampleTable {
   SampleTable() = default;
   void arrange(std::span<const Vec3> positions, std::vector<std::uint32_t>& order);
   void makeTree();
+  // Of the positions from `first` up to `last`, multiples of 4.
+  [[nodiscard]] DVec3 meanOf(std::size_t first, std::size_t last) const;
+  [[nodiscard]] float farthestFrom(Point center, std::size_t first, std::size_t last) const;
 
   struct Bounds {
     std::vector<float> x, y, z, radius;
