@@ -60,8 +60,8 @@ const SampleTable& Volume::samples(std::uint32_t count) const {
 
 std::size_t Volume::bytes() const {
   const std::lock_guard lock(mutex_);
-  std::size_t bytes =
-      sizeof(*this) + ownBytes() + bytesOf(parameters_) + sidesOfCells_.capacity() + tables_.capacity() * sizeof(tables_.front());
+  std::size_t bytes = sizeof(*this) + ownBytes() + bytesOf(parameters_) + sidesOfCells_.capacity() +
+                      tables_.capacity() * sizeof(tables_.front());
   for (const auto& [count, table] : tables_) bytes += table->bytes();
   return bytes;
 }

@@ -72,9 +72,9 @@ class Volume {
   }
   /// To be called by whatever places it in a model.
   void countPlace() const { places_.fetch_add(1, std::memory_order_relaxed); }
-  /// Where sidesOfCells (clearance_grid.h) can be read. Null there until countAsked has come to as many points
-  /// as a grid has cells: a volume that is asked little never pays for one. No result depends on it. To be
-  /// read atomically.
+  /// Where sidesOfCells (clearance_grid.h) can be read. Null there until countAsked has come to as many
+  /// points as a grid has cells: a volume that is asked little never pays for one. No result depends on it.
+  /// To be read atomically.
   [[nodiscard]] const std::int8_t* const* cells() const { return &cells_; }
   /// So many points were asked about one by one. Thread-safe.
   void countAsked(std::uint32_t points) const;

@@ -20,14 +20,14 @@ struct RingPlace {
 /// The places of a run of 16 * columns samples, sorted by angle. Made once and kept. Thread-safe.
 [[nodiscard]] std::span<const RingPlace> ringPlaces(std::uint32_t columns);
 
-/// Patches side by side around a ring of `radius`, so that each is about as high as wide where 16 samples take
-/// `patchArea`; at most kMostColumns.
+/// Patches side by side around a ring of `radius`, so that each is about as high as wide where 16 samples
+/// take `patchArea`; at most kMostColumns.
 inline constexpr std::uint32_t kMostColumns = 256;
 [[nodiscard]] std::uint32_t ringColumns(double radius, double patchArea);
 
 /// `count` samples (a multiple of kPatch) on the surface of that area whose profile is `profile(area below)`:
-/// the k-th where k + 1/2 of `count` equal parts of the area lie below it, k times the golden ratio around, as
-/// sampleCharts has it. They come ring by ring, sorted by angle within each, so that patches are compact.
+/// the k-th where k + 1/2 of `count` equal parts of the area lie below it, k times the golden ratio around,
+/// as sampleCharts has it. They come ring by ring, sorted by angle within each, so that patches are compact.
 template <class Profile>
 [[nodiscard]] SampleTable sampleRings(double area, std::uint32_t count, const Profile& profile) {
   constexpr double kGolden = 0.6180339887498949;

@@ -150,7 +150,8 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
     return SampleTable(samplePoisson(triangles, count));
   }
   [[nodiscard]] std::size_t ownBytes() const override {
-    return (distances_.capacity() + firstInColumn_.capacity() + inColumns_.capacity()) * sizeof(float) + normals_.capacity() * sizeof(DVec3) +
+    return (distances_.capacity() + firstInColumn_.capacity() + inColumns_.capacity()) * sizeof(float) +
+           normals_.capacity() * sizeof(DVec3) +
            mesh_.triangles.size() * (sizeof(Box) + sizeof(std::uint32_t)) +
            tree_.nodes().size() * (sizeof(TriangleTree::Node) + sizeof(std::uint32_t));
   }
@@ -193,8 +194,8 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
     const double y = (p.y - columnLow_[0]) * columnsPerUnit_[0],
                  z = (p.z - columnLow_[1]) * columnsPerUnit_[1];
     if (!(y >= 0 && y < columns_[0] && z >= 0 && z < columns_[1])) return false;
-    const std::size_t column = static_cast<std::size_t>(z) * static_cast<std::size_t>(columns_[0]) +
-                               static_cast<std::size_t>(y);
+    const std::size_t column =
+        static_cast<std::size_t>(z) * static_cast<std::size_t>(columns_[0]) + static_cast<std::size_t>(y);
     int winding = 0;
     for (std::uint32_t k = firstInColumn_[column]; k < firstInColumn_[column + 1]; ++k) {
       const std::uint32_t t = inColumns_[k];

@@ -57,8 +57,8 @@ class Superellipsoid final : public VolumeOf<Superellipsoid> {
     const double total = totalAt(q);
     if (total <= 1) return true;
     if (dilation == 0) return false;
-    // The gradient is at most 1, so that the norm is at most 1 + d where the next test says yes, and the total
-    // at most (1 + d)^up <= e^(up d).
+    // The gradient is at most 1, so that the norm is at most 1 + d where the next test says yes, and the
+    // total at most (1 + d)^up <= e^(up d).
     const double far = up_ * dilation / inner_;
     if (far < 1 && total > 1 + far * (1 + far) * (1 + 1e-6) + 1e-9) return false;
     const ValueAndGradient at = valueAt(p);

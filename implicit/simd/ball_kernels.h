@@ -35,10 +35,10 @@ struct BallArrays {
   const float*
       r2Drop;  ///< squared radius of the ball that drops older samples, boundary and rounding included
   const GriddedVolume* const* volume;  ///< null for a sphere; else what the ball is around, and r2 and r2Drop
-                                     ///< mean nothing
-  bool anyVolume;                    ///< is `volume` anywhere not null?
-  const std::uint8_t* positive;      ///< 1 adds, 0 carves
-  std::uint32_t count;               ///< without the padding
+                                       ///< mean nothing
+  bool anyVolume;                      ///< is `volume` anywhere not null?
+  const std::uint8_t* positive;        ///< 1 adds, 0 carves
+  std::uint32_t count;                 ///< without the padding
   std::uint32_t earlier;  ///< the first `earlier` of them stand before the sampled primitive in the list, the
                           ///< rest after it
 };
@@ -88,8 +88,8 @@ struct PointGroup {
 };
 
 /// Those of the points that are in the volume or on its boundary; when dropping, also those just outside that
-/// rounding may have moved there. The same bits at every instruction set: it is compiled once. The volume must
-/// be a PosedVolume.
+/// rounding may have moved there. The same bits at every instruction set: it is compiled once. The volume
+/// must be a PosedVolume.
 [[nodiscard]] std::uint32_t lanesInVolume(const GriddedVolume& volume, const PointGroup& group,
                                           bool dropping);
 
