@@ -158,6 +158,17 @@ TEST_P(VolumeConformance, S13LookingUpCellsChangesNoSideOnAnySimdLevel) {
               << nameOf(level) << " at " << x[i] << ' ' << y[i] << ' ' << z[i];
       }
     }
+    // Dropping: a sphere's samples, some of them in it.
+    const Shape other(ball.center + 0.3f * ball.radius * Vec3(1, 0, 0), 0.7f * ball.radius);
+    const SampleTable& directions = samplesOf(other, 1024);
+    const SampledShape around = sampled(other, directions);
+    for (const SimdLevel level : supportedSimdLevels()) {
+      std::vector<std::uint16_t> masks(directions.patches(), 0xFFFF);
+      (void)ballKernels(level).dropSamples(around, dropBall(shape), masks.data());
+      for (std::uint32_t k = 0; k < directions.count(); ++k)
+        ASSERT_EQ((masks[k / kPatch] >> k % kPatch & 1) == 0, drops(shape, placedSample(around, k).position))
+            << nameOf(level) << ", sample " << k;
+    }
     // The cells themselves, by the definition.
     const GridGeometry grid(*volume);
     const std::vector<std::int8_t> sides = sidesOfCells(*volume);
