@@ -13,6 +13,7 @@ struct Match {
   DVec3 from{0};    ///< of `before`, moved so far
   DVec3 to{0};      ///< of `after`
   DVec3 normal{0};  ///< unit, half way between the two normals
+  double cosine = 1;  ///< of the angle between them
   double weight = 1;
 };
 

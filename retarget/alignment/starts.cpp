@@ -78,6 +78,8 @@ Mean meanWithin(std::span<const Sample> samples, DVec3 center, double radius) {
 constexpr std::size_t kPlaces = 250;  // about a patch's radius / 3 apart, for a patch of a third of the shape
 constexpr double kScales[] = {1, 0.7, 1.4, 0.5, 2};
 constexpr int kTurns = 12;
+/// A ball of this part of the patch's reach from its middle holds no border of it.
+constexpr double kCore = 0.6;
 
 }  // namespace
 
@@ -97,9 +99,16 @@ std::vector<Similarity> wholeStarts(const Cloud& before, const Cloud& after) {
 
 std::vector<Similarity> patchStarts(const Cloud& patch, const Cloud& after) {
   std::vector<Similarity> starts{identityBetween(patch, after)};
-  double reach = 0;  // of the patch, in its RMS radii
-  for (const Sample& s : patch.samples) reach = std::fmax(reach, length(s.position));
-  const Mean ofPatch = meanWithin(patch.samples, DVec3(0), 2 * reach);
+  // The place that is looked for: where the patch is whole all around.
+  const std::span<const Sample> within(patch.samples.data(), patch.spread);
+  const DVec3 anchor =
+      std::min_element(within.begin(), within.end(), [](const Sample& a, const Sample& b) {
+        return dot(a.position, a.position) < dot(b.position, b.position);
+      })->position;
+  double reach = 0;
+  for (const Sample& s : within) reach = std::fmax(reach, length(s.position - anchor));
+  reach *= kCore;
+  const Mean ofPatch = meanWithin(within, anchor, reach);
   const bool isBent = length(ofPatch.normal) < 0.4;
 
   std::vector<Rotation> turns;  // about z
@@ -109,12 +118,14 @@ std::vector<Similarity> patchStarts(const Cloud& patch, const Cloud& after) {
   }
   const std::vector<Rotation> cube = cubeRotations();
   const std::span<const Sample> around(after.samples.data(), after.spread);
-  const std::size_t places = std::min(isBent ? kPlaces / 2 : kPlaces, after.spread);
+  const std::size_t places = std::min(kPlaces, after.spread);
   for (std::size_t place = 0; place < places; ++place)
     for (const double factor : kScales) {
       const double scale = factor * patch.radius / after.radius;
       const Mean there = meanWithin(around, after.samples[place].position, reach * scale);
-      const auto add = [&](const Rotation& q) { starts.push_back({q, scale, there.position}); };
+      const auto add = [&](const Rotation& q) {
+        starts.push_back({q, scale, there.position - scale * turned(q, ofPatch.position)});
+      };
       if (isBent) {
         for (const Rotation& q : cube) add(q);
         continue;

@@ -65,7 +65,8 @@ struct Setting {
 const bool kVerbose = std::getenv("VERBOSE") != nullptr;
 
 void measure(const std::string& name, const SurfaceSampler& surface, const Setting& setting, Row& total) {
-  const double size = sizeOf(surface.mesh());
+  const Extent extent = extentOf(surface.mesh());
+  const double size = extent.size;
   const std::vector<OrientedPoint> dense = surface.draw(20000, 99);
   Row row;
   Random random{7};
@@ -73,7 +74,7 @@ void measure(const std::string& name, const SurfaceSampler& surface, const Setti
   for (const TrialMotion kind : {TrialMotion::Shift, TrialMotion::Turn, TrialMotion::Scale, TrialMotion::All})
     for (int trial = 0; trial < setting.trials; ++trial) {
       const bool isWhole = setting.mode == AlignmentMode::Whole;
-      const Similarity truth = trialMotion(kind, surface.mesh(), random);
+      const Similarity truth = trialMotion(kind, extent, random);
       const std::vector<Point> stroke =
           strokeOn(dense, size * static_cast<double>(isWhole ? random.between(0.3f, 1) : random.between(0.3f, 0.6f)), random);
       std::vector<OrientedPoint> before = surface.draw(isWhole ? 20000 : 60000, ++seed);
@@ -99,25 +100,52 @@ void measure(const std::string& name, const SurfaceSampler& surface, const Setti
   print(name, row);
 }
 
+/// Shapes that do not determine the motion: what is said of them.
+void measurePlain(PlainShape shape, const Setting& setting) {
+  Row row;
+  Random random{7};
+  std::uint32_t seed = 1000;
+  for (int trial = 0; trial < 4 * setting.trials; ++trial) {
+    const bool isWhole = setting.mode == AlignmentMode::Whole;
+    const Similarity truth = trialMotion(TrialMotion::All, {}, random);
+    std::vector<OrientedPoint> before = drawPlain(shape, isWhole ? 20000 : 60000, ++seed);
+    const std::vector<OrientedPoint> after = movedPoints(truth, drawPlain(shape, isWhole ? 15000 : 45000, ++seed));
+    const std::vector<Point> stroke = strokeOn(before, 1, random);
+    if (!isWhole) before = retarget::patchAround(before, std::array{stroke[stroke.size() / 2]}, 2 * static_cast<double>(random.between(0.25f, 0.35f)));
+    const auto start = std::chrono::steady_clock::now();
+    const Alignment a = retarget::alignSurfels(before, after, {.mode = setting.mode});
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (kVerbose)
+      fmt::print("   {} rms {:.2e} firm {:.2e} rival {:.3f} {}: {}\n", nameOf(shape), a.relativeRms, a.firmness, a.rivalRatio,
+                 nameOf(a.verdict), a.reason);
+    row.add(a, strokeError(stroke, a.motion, truth), seconds);
+  }
+  print(nameOf(shape), row);
+}
+
 }  // namespace
 }  // namespace restroke::testing
 
 int main(int argc, char** argv) {
   using namespace restroke::testing;
   int trials = 4;
+  std::vector<AlignmentMode> modes{AlignmentMode::Whole, AlignmentMode::Patch};
   std::vector<std::string> names;
   for (int k = 1; k < argc; ++k) {
     const std::string word = argv[k];
     if (word == "--trials" && k + 1 < argc) trials = std::atoi(argv[++k]);
+    else if (word == "--whole") modes = {AlignmentMode::Whole};
+    else if (word == "--patch") modes = {AlignmentMode::Patch};
     else names.push_back(word);
   }
   const std::filesystem::path folder = std::filesystem::path(RESTROKE_SHARED_DIR) / "data/meshes/closed";
-  for (const AlignmentMode mode : {AlignmentMode::Whole, AlignmentMode::Patch}) {
+  for (const AlignmentMode mode : modes) {
     fmt::print("\n{}\n| mesh | trials | found | symmetric | featureless | no fit | within 1 % | median error % | 95th % | least firmness | median firmness | least rival | median rival | rms | seconds |\n",
                mode == AlignmentMode::Whole ? "whole" : "patch");
     Row total;
     for (const std::string& name : names)
       measure(name, SurfaceSampler(restroke::points::readMesh(folder / name)), {mode, trials}, total);
     print("all", total);
+    for (const PlainShape shape : kPlainShapes) measurePlain(shape, {mode, trials});
   }
 }

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
+#include <utility>
 #include <vector>
 
 #include "implicit/geometry/triangle_mesh.h"
@@ -14,11 +14,16 @@
 
 namespace restroke::testing {
 
-/// Longest side of its box.
-inline double sizeOf(const TriangleMesh& mesh) {
+/// Middle and longest side of a shape's box.
+struct Extent {
+  DVec3 center{0};
+  double size = 2;
+};
+
+inline Extent extentOf(const TriangleMesh& mesh) {
   const Box box = boundsOf(mesh);
   const Vec3 size = box.max - box.min;
-  return static_cast<double>(std::max({size.x, size.y, size.z}));
+  return {DVec3(box.center()), static_cast<double>(std::max({size.x, size.y, size.z}))};
 }
 
 /// Draws points of a mesh's surface, each place as likely as any other, with normals that go smoothly over from
@@ -64,6 +69,75 @@ class SurfaceSampler {
   std::vector<DVec3> normals_;
   std::vector<double> areas_;  // running sums
 };
+
+/// A shape with symmetries, drawn from exactly.
+enum class PlainShape : std::uint8_t { Ball, Torus, Shaft, Cube, Brick };
+
+inline constexpr std::array kPlainShapes{PlainShape::Ball, PlainShape::Torus, PlainShape::Shaft, PlainShape::Cube,
+                                         PlainShape::Brick};
+
+inline const char* nameOf(PlainShape shape) {
+  constexpr std::array kNames{"ball", "torus", "shaft", "cube", "brick"};
+  return kNames[static_cast<std::size_t>(shape)];
+}
+
+/// Points of radius 1 (ball), radii 1 and 0.4 (torus), radius 0.6 and half height 1 (shaft), half sides 1 (cube) or 1, 0.7 and
+/// 0.5 (brick), each place as likely as any other.
+inline std::vector<retarget::OrientedPoint> drawPlain(PlainShape shape, std::size_t count, std::uint32_t seed) {
+  Random random{seed};
+  const auto uniform = [&](double a, double b) {
+    return static_cast<double>(random.between(static_cast<float>(a), static_cast<float>(b)));
+  };
+  const auto onCircle = [&] {
+    for (;;) {
+      const double x = uniform(-1, 1), y = uniform(-1, 1), d = x * x + y * y;
+      if (d > 1e-4 && d <= 1) return DVec3(x, y, 0) / std::sqrt(d);
+    }
+  };
+  const auto inDisc = [&] {
+    for (;;) {
+      const DVec3 p(uniform(-1, 1), uniform(-1, 1), 0);
+      if (dot(p, p) <= 1) return p;
+    }
+  };
+  const auto one = [&]() -> std::pair<DVec3, DVec3> {
+    switch (shape) {
+      case PlainShape::Ball: {
+        const double z = uniform(-1, 1);
+        const DVec3 n = std::sqrt(1 - z * z) * onCircle() + DVec3(0, 0, z);
+        return {n, n};
+      }
+      case PlainShape::Torus:
+        for (;;) {
+          const DVec3 out = onCircle(), tube = onCircle(), n = tube.x * out + DVec3(0, 0, tube.y);
+          if (uniform(0, 1.4) <= 1 + 0.4 * tube.x) return {out + 0.4 * n, n};
+        }
+      case PlainShape::Shaft: {
+        const double z = uniform(-1, 1);
+        // The two caps are 0.6 / (0.6 + 2) of the area.
+        if (uniform(0, 2.6) < 0.6) return {0.6 * inDisc() + DVec3(0, 0, z < 0 ? -1 : 1), {0, 0, z < 0 ? -1 : 1}};
+        const DVec3 n = onCircle();
+        return {0.6 * n + DVec3(0, 0, z), n};
+      }
+      case PlainShape::Cube:
+      case PlainShape::Brick: break;
+    }
+    const DVec3 half = shape == PlainShape::Cube ? DVec3(1) : DVec3(1, 0.7, 0.5);
+    const double areas[3] = {half.y * half.z, half.z * half.x, half.x * half.y};
+    const double pick = uniform(0, areas[0] + areas[1] + areas[2]);
+    const int axis = pick < areas[0] ? 0 : pick < areas[0] + areas[1] ? 1 : 2;
+    DVec3 p(uniform(-half.x, half.x), uniform(-half.y, half.y), uniform(-half.z, half.z)), n(0);
+    n[axis] = p[axis] < 0 ? -1 : 1;
+    p[axis] = n[axis] * half[axis];
+    return {p, n};
+  };
+  std::vector<retarget::OrientedPoint> points;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto [p, n] = one();
+    points.push_back({Point(p), Vec3(normalized(n))});
+  }
+  return points;
+}
 
 /// A polyline of about that length on the surface of which `points` are a dense sampling: steps along the tangent
 /// plane, each drawn back to the surface.
@@ -113,20 +187,20 @@ inline std::vector<retarget::OrientedPoint> movedPoints(const Similarity& m,
 
 enum class TrialMotion : std::uint8_t { None, Shift, Turn, Scale, All };
 
-/// Shift by half the size, turn by 45 degrees, scale by 1.5, in or about random directions and the mesh's centre.
-inline Similarity trialMotion(TrialMotion kind, const TriangleMesh& mesh, Random& random) {
+/// Shift by half the size, turn by 45 degrees, scale by 1.5, in or about random directions and the shape's centre.
+inline Similarity trialMotion(TrialMotion kind, const Extent& extent, Random& random) {
   const auto axis = [&] {
     DVec3 v(random.inCube(1));
     while (!(length(v) > 0.1)) v = DVec3(random.inCube(1));
     return normalized(v);
   };
   const bool isAll = kind == TrialMotion::All;
-  const DVec3 center(boundsOf(mesh).center());
+  const DVec3 center = extent.center;
   Similarity m;
   if (kind == TrialMotion::Turn || isAll) m.rotation = rotationAbout(axis(), std::sqrt(2.0) - 1);
   if (kind == TrialMotion::Scale || isAll) m.scale = 1.5;
   m.translation = center - m.scale * turned(m.rotation, center);
-  if (kind == TrialMotion::Shift || isAll) m.translation += 0.5 * sizeOf(mesh) * axis();
+  if (kind == TrialMotion::Shift || isAll) m.translation += 0.5 * extent.size * axis();
   return m;
 }
 
