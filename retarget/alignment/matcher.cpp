@@ -6,8 +6,8 @@ namespace restroke::retarget::alignment {
 
 namespace {
 
-/// Opposite normals are as far apart as this many RMS radii: in a search from afar, direction counts as much as
-/// place; near the end it only keeps the two sides of a thin wall apart.
+/// Opposite normals are as far apart as this many RMS radii: in a search from afar, direction counts as much
+/// as place; near the end it only keeps the two sides of a thin wall apart.
 constexpr double kNormalWeight = 0.3;
 constexpr float kCoarseSlack = 0.5f;
 constexpr double kRoughReach = 0.15;  // in RMS radii
@@ -40,8 +40,8 @@ void weighRobustly(std::vector<Match>& matches, double radius) {
 Matcher::Matcher(const Cloud& before, const Cloud& after, AlignmentMode mode)
     : before_(before),
       after_(after),
-      nearestAfter_(
-          treesOf(after, kNormalWeight * (mode == AlignmentMode::Whole ? 1.0 : before.radius / after.radius))) {
+      nearestAfter_(treesOf(
+          after, kNormalWeight * (mode == AlignmentMode::Whole ? 1.0 : before.radius / after.radius))) {
   if (mode == AlignmentMode::Whole) nearestBefore_.emplace(treesOf(before, kNormalWeight));
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "retarget/alignment/nearest.h"
+#include "implicit/geometry/det_math.h"
 
 namespace restroke::retarget::alignment {
 
@@ -81,6 +81,15 @@ constexpr int kTurns = 12;
 /// A ball of this part of the patch's reach from its middle holds no border of it.
 constexpr double kCore = 0.6;
 
+std::vector<Rotation> turnsAboutZ() {
+  std::vector<Rotation> turns;
+  for (int k = 0; k < kTurns; ++k) {
+    const double half = kPi * k / kTurns;
+    turns.push_back({0, 0, std::sin(half), std::cos(half)});
+  }
+  return turns;
+}
+
 }  // namespace
 
 Similarity identityBetween(const Cloud& before, const Cloud& after) {
@@ -101,21 +110,16 @@ std::vector<Similarity> patchStarts(const Cloud& patch, const Cloud& after) {
   std::vector<Similarity> starts{identityBetween(patch, after)};
   // The place that is looked for: where the patch is whole all around.
   const std::span<const Sample> within(patch.samples.data(), patch.spread);
-  const DVec3 anchor =
-      std::min_element(within.begin(), within.end(), [](const Sample& a, const Sample& b) {
-        return dot(a.position, a.position) < dot(b.position, b.position);
-      })->position;
+  const DVec3 anchor = std::min_element(within.begin(), within.end(), [](const Sample& a, const Sample& b) {
+                         return dot(a.position, a.position) < dot(b.position, b.position);
+                       })->position;
   double reach = 0;
   for (const Sample& s : within) reach = std::fmax(reach, length(s.position - anchor));
   reach *= kCore;
   const Mean ofPatch = meanWithin(within, anchor, reach);
   const bool isBent = length(ofPatch.normal) < 0.4;
 
-  std::vector<Rotation> turns;  // about z
-  for (int k = 0; k < kTurns; ++k) {
-    const double angle = 2 * 3.14159265358979323846 * k / kTurns;
-    turns.push_back({0, 0, std::sin(angle / 2), std::cos(angle / 2)});
-  }
+  const std::vector<Rotation> turns = turnsAboutZ();
   const std::vector<Rotation> cube = cubeRotations();
   const std::span<const Sample> around(after.samples.data(), after.spread);
   const std::size_t places = std::min(kPlaces, after.spread);
@@ -135,6 +139,22 @@ std::vector<Similarity> patchStarts(const Cloud& patch, const Cloud& after) {
       const Rotation raised = rotationFrom(DVec3(0, 0, 1), normalized(there.normal));
       for (const Rotation& q : turns) add(composed(raised, composed(q, flat)));
     }
+  return starts;
+}
+
+std::vector<Similarity> turnedStarts(const Cloud& before, const Similarity& motion) {
+  std::vector<Similarity> starts;
+  const auto add = [&](const Rotation& frame, const Rotation& q) {
+    const Rotation turn = composed(frame, composed(q, inverted(frame)));
+    starts.push_back(composed(motion, Similarity{turn, 1, DVec3(0)}));
+  };
+  const Rotation axes = principalAxes(before);
+  for (const Rotation& q : cubeRotations()) add(axes, q);
+  const Mean mean = meanWithin(std::span(before.samples.data(), before.spread), DVec3(0), 1e9);
+  if (length(mean.normal) > 0.1) {
+    const Rotation raised = rotationFrom(DVec3(0, 0, 1), normalized(mean.normal));
+    for (const Rotation& q : turnsAboutZ()) add(raised, q);
+  }
   return starts;
 }
 

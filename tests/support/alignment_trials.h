@@ -26,19 +26,26 @@ inline Extent extentOf(const TriangleMesh& mesh) {
   return {DVec3(box.center()), static_cast<double>(std::max({size.x, size.y, size.z}))};
 }
 
-/// Draws points of a mesh's surface, each place as likely as any other, with normals that go smoothly over from
-/// triangle to triangle.
+/// Draws points of a mesh's surface, each place as likely as any other, with normals that go over smoothly
+/// from triangle to triangle where these meet at less than 30 degrees.
 class SurfaceSampler {
  public:
-  explicit SurfaceSampler(TriangleMesh mesh) : mesh_(std::move(mesh)), normals_(mesh_.vertices.size()) {
+  explicit SurfaceSampler(TriangleMesh mesh) : mesh_(std::move(mesh)), normals_(mesh_.triangles.size()) {
+    std::vector<DVec3> faces;  // normals of length twice the area
+    std::vector<std::vector<std::uint32_t>> around(mesh_.vertices.size());
     double area = 0;
     for (const auto& t : mesh_.triangles) {
       const DVec3 a(mesh_.vertices[t[0]]), b(mesh_.vertices[t[1]]), c(mesh_.vertices[t[2]]);
-      const DVec3 twice = cross(b - a, c - a);
-      area += length(twice);
+      for (const std::uint32_t v : t) around[v].push_back(static_cast<std::uint32_t>(faces.size()));
+      faces.push_back(cross(b - a, c - a));
+      area += length(faces.back());
       areas_.push_back(area);
-      for (const std::uint32_t v : t) normals_[v] += twice;
     }
+    for (std::size_t k = 0; k < faces.size(); ++k)
+      for (std::size_t corner = 0; corner < 3; ++corner)
+        for (const std::uint32_t other : around[mesh_.triangles[k][corner]])
+          if (dot(faces[k], faces[other]) >= 0.866 * length(faces[k]) * length(faces[other]))
+            normals_[k][corner] += faces[other];
   }
 
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
@@ -48,42 +55,47 @@ class SurfaceSampler {
     std::vector<retarget::OrientedPoint> points;
     while (points.size() < count) {
       const double at = static_cast<double>(random.between(0, 1)) * areas_.back();
-      const auto k = static_cast<std::size_t>(std::lower_bound(areas_.begin(), areas_.end(), at) - areas_.begin());
+      const auto k =
+          static_cast<std::size_t>(std::lower_bound(areas_.begin(), areas_.end(), at) - areas_.begin());
       double u = static_cast<double>(random.between(0, 1)), v = static_cast<double>(random.between(0, 1));
       if (u + v > 1) {
         u = 1 - u;
         v = 1 - v;
       }
-      const auto& t = mesh_.triangles[std::min(k, areas_.size() - 1)];
+      const std::size_t triangle = std::min(k, areas_.size() - 1);
+      const auto& t = mesh_.triangles[triangle];
+      const auto& n = normals_[triangle];
       const auto mix = [&](DVec3 a, DVec3 b, DVec3 c) { return (1 - u - v) * a + u * b + v * c; };
-      const DVec3 normal = mix(normals_[t[0]], normals_[t[1]], normals_[t[2]]);
+      const DVec3 normal = mix(n[0], n[1], n[2]);
       if (!(length(normal) > 0)) continue;
-      points.push_back({Point(mix(DVec3(mesh_.vertices[t[0]]), DVec3(mesh_.vertices[t[1]]), DVec3(mesh_.vertices[t[2]]))),
-                        Vec3(normalized(normal))});
+      points.push_back(
+          {Point(mix(DVec3(mesh_.vertices[t[0]]), DVec3(mesh_.vertices[t[1]]), DVec3(mesh_.vertices[t[2]]))),
+           Vec3(normalized(normal))});
     }
     return points;
   }
 
  private:
   TriangleMesh mesh_;
-  std::vector<DVec3> normals_;
-  std::vector<double> areas_;  // running sums
+  std::vector<std::array<DVec3, 3>> normals_;  // of the triangles' corners, of any length
+  std::vector<double> areas_;                  // running sums
 };
 
 /// A shape with symmetries, drawn from exactly.
 enum class PlainShape : std::uint8_t { Ball, Torus, Shaft, Cube, Brick };
 
-inline constexpr std::array kPlainShapes{PlainShape::Ball, PlainShape::Torus, PlainShape::Shaft, PlainShape::Cube,
-                                         PlainShape::Brick};
+inline constexpr std::array kPlainShapes{PlainShape::Ball, PlainShape::Torus, PlainShape::Shaft,
+                                         PlainShape::Cube, PlainShape::Brick};
 
 inline const char* nameOf(PlainShape shape) {
   constexpr std::array kNames{"ball", "torus", "shaft", "cube", "brick"};
   return kNames[static_cast<std::size_t>(shape)];
 }
 
-/// Points of radius 1 (ball), radii 1 and 0.4 (torus), radius 0.6 and half height 1 (shaft), half sides 1 (cube) or 1, 0.7 and
-/// 0.5 (brick), each place as likely as any other.
-inline std::vector<retarget::OrientedPoint> drawPlain(PlainShape shape, std::size_t count, std::uint32_t seed) {
+/// Points of radius 1 (ball), radii 1 and 0.4 (torus), radius 0.6 and half height 1 (shaft), half sides 1
+/// (cube) or 1, 0.7 and 0.5 (brick), each place as likely as any other.
+inline std::vector<retarget::OrientedPoint> drawPlain(PlainShape shape, std::size_t count,
+                                                      std::uint32_t seed) {
   Random random{seed};
   const auto uniform = [&](double a, double b) {
     return static_cast<double>(random.between(static_cast<float>(a), static_cast<float>(b)));
@@ -115,12 +127,14 @@ inline std::vector<retarget::OrientedPoint> drawPlain(PlainShape shape, std::siz
       case PlainShape::Shaft: {
         const double z = uniform(-1, 1);
         // The two caps are 0.6 / (0.6 + 2) of the area.
-        if (uniform(0, 2.6) < 0.6) return {0.6 * inDisc() + DVec3(0, 0, z < 0 ? -1 : 1), {0, 0, z < 0 ? -1 : 1}};
+        if (uniform(0, 2.6) < 0.6)
+          return {0.6 * inDisc() + DVec3(0, 0, z < 0 ? -1 : 1), {0, 0, z < 0 ? -1 : 1}};
         const DVec3 n = onCircle();
         return {0.6 * n + DVec3(0, 0, z), n};
       }
       case PlainShape::Cube:
-      case PlainShape::Brick: break;
+      case PlainShape::Brick:
+        break;
     }
     const DVec3 half = shape == PlainShape::Cube ? DVec3(1) : DVec3(1, 0.7, 0.5);
     const double areas[3] = {half.y * half.z, half.z * half.x, half.x * half.y};
@@ -139,8 +153,8 @@ inline std::vector<retarget::OrientedPoint> drawPlain(PlainShape shape, std::siz
   return points;
 }
 
-/// A polyline of about that length on the surface of which `points` are a dense sampling: steps along the tangent
-/// plane, each drawn back to the surface.
+/// A polyline of about that length on the surface of which `points` are a dense sampling: steps along the
+/// tangent plane, each drawn back to the surface.
 inline std::vector<Point> strokeOn(const std::vector<retarget::OrientedPoint>& points, double strokeLength,
                                    Random& random) {
   constexpr int kSteps = 24;
@@ -169,7 +183,8 @@ inline double lengthOf(const std::vector<Point>& stroke) {
 }
 
 /// RMS distance of the points' images under the two motions, as part of the stroke's length after `truth`.
-inline double strokeError(const std::vector<Point>& stroke, const Similarity& estimate, const Similarity& truth) {
+inline double strokeError(const std::vector<Point>& stroke, const Similarity& estimate,
+                          const Similarity& truth) {
   double sum = 0;
   for (const Point p : stroke) {
     const DVec3 d = moved(estimate, DVec3(p)) - moved(truth, DVec3(p));
@@ -187,7 +202,8 @@ inline std::vector<retarget::OrientedPoint> movedPoints(const Similarity& m,
 
 enum class TrialMotion : std::uint8_t { None, Shift, Turn, Scale, All };
 
-/// Shift by half the size, turn by 45 degrees, scale by 1.5, in or about random directions and the shape's centre.
+/// Shift by half the size, turn by 45 degrees, scale by 1.5, in or about random directions and the shape's
+/// centre.
 inline Similarity trialMotion(TrialMotion kind, const Extent& extent, Random& random) {
   const auto axis = [&] {
     DVec3 v(random.inCube(1));
@@ -205,7 +221,7 @@ inline Similarity trialMotion(TrialMotion kind, const Extent& extent, Random& ra
 }
 
 /// A smooth change of everything farther than `radius` from `center`: there space is twisted about an axis
-/// through the centre and swells, both growing to their full amount within `fade`.
+/// through the centre, the more the farther along it, and swells; both set in within `fade`.
 struct Deformation {
   DVec3 center{0}, axis{0, 0, 1};
   double radius = 1, fade = 1, turn = 0.8, swelling = 0.3;
@@ -214,7 +230,8 @@ struct Deformation {
     const DVec3 d = p - center;
     const double t = std::clamp((length(d) - radius) / fade, 0.0, 1.0), w = t * t * (3 - 2 * t);
     if (w == 0) return p;
-    return center + (1 + swelling * w) * turned(rotationAbout(axis, std::tan(0.5 * w * turn)), d);
+    const double angle = w * turn * std::clamp(dot(d, axis) / (radius + fade), -3.0, 3.0);
+    return center + (1 + swelling * w) * turned(rotationAbout(axis, std::tan(0.5 * angle)), d);
   }
 };
 
@@ -223,7 +240,8 @@ inline std::vector<retarget::OrientedPoint> deformedPoints(const Deformation& de
   const double h = 1e-4 * deform.radius;
   for (auto& p : points) {
     const DVec3 at(p.position), n(p.normal);
-    const DVec3 u = normalized(cross(n, std::fabs(n.x) < 0.8 ? DVec3(1, 0, 0) : DVec3(0, 1, 0))), v = cross(n, u);
+    const DVec3 u = normalized(cross(n, std::fabs(n.x) < 0.8 ? DVec3(1, 0, 0) : DVec3(0, 1, 0))),
+                v = cross(n, u);
     const DVec3 du = deform(at + h * u) - deform(at - h * u), dv = deform(at + h * v) - deform(at - h * v);
     p = {Point(deform(at)), Vec3(normalized(cross(du, dv)))};
   }
