@@ -42,7 +42,7 @@ struct Stage {
   std::size_t kept;
 };
 
-constexpr std::array kWholeStages{Stage{{80, 6}, 12}, Stage{{300, 8}, 4}};
+constexpr std::array kWholeStages{Stage{{100, 8}, 16}, Stage{{300, 10}, 6}};
 constexpr std::array kPatchStages{Stage{{40, 0}, 1000}, Stage{{60, 4}, 150}, Stage{{200, 6}, 30},
                                   Stage{{500, 10}, 8}};
 constexpr std::array kRivalStages{Stage{{150, 8}, 8}, Stage{{500, 10}, 3}};

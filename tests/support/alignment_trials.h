@@ -163,7 +163,12 @@ inline std::vector<Point> strokeOn(const std::vector<retarget::OrientedPoint>& p
   std::vector<Point> stroke{here.position};
   for (int k = 0; k < kSteps; ++k) {
     const DVec3 normal(here.normal);
-    direction = normalized(direction - dot(direction, normal) * normal);
+    direction -= dot(direction, normal) * normal;
+    while (!(length(direction) > 1e-3)) {  // over a sharp edge
+      direction = DVec3(random.inCube(1));
+      direction -= dot(direction, normal) * normal;
+    }
+    direction = normalized(direction);
     const DVec3 wanted = DVec3(here.position) + (strokeLength / kSteps) * direction;
     const auto nearest = std::min_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
       const DVec3 da = DVec3(a.position) - wanted, db = DVec3(b.position) - wanted;
