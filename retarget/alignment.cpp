@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "implicit/errors.h"
 #include "retarget/alignment/matcher.h"
@@ -24,6 +25,7 @@ using alignment::Matcher;
 using alignment::Sampling;
 
 constexpr std::size_t kFewest = 50;
+constexpr std::size_t kLeastSpread = 2000;
 
 // Measured (retarget/README.md): shapes that determine the motion lie far above, the others far below.
 constexpr double kLeastFirmness = 3e-4;
@@ -42,18 +44,20 @@ struct Stage {
   std::size_t kept;
 };
 
-constexpr std::array kWholeStages{Stage{{100, 8}, 16}, Stage{{300, 10}, 6}};
+constexpr std::array kWholeStages{Stage{{60, 4}, 40}, Stage{{150, 8}, 12}, Stage{{300, 10}, 6}};
 constexpr std::array kPatchStages{Stage{{40, 0}, 1000}, Stage{{60, 4}, 150}, Stage{{200, 6}, 30},
                                   Stage{{500, 10}, 8}};
 constexpr std::array kRivalStages{Stage{{150, 8}, 8}, Stage{{500, 10}, 3}};
 
 /// The best of the candidates, at most `kept`, one from each place; among equals the first.
-std::vector<Candidate> best(const Matcher& matcher, std::vector<Candidate> candidates, std::size_t kept) {
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+std::vector<Candidate> best(const Matcher& matcher, std::span<const Candidate> candidates, std::size_t kept) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t k = 0; k < candidates.size(); ++k) order.emplace_back(candidates[k].score, k);
+  std::sort(order.begin(), order.end());
   std::vector<Candidate> chosen;
-  for (const Candidate& c : candidates) {
+  for (const auto& [score, k] : order) {
     if (chosen.size() == kept) break;
+    const Candidate& c = candidates[k];
     const bool isNew = std::none_of(chosen.begin(), chosen.end(), [&](const Candidate& other) {
       return matcher.distance(other.motion, c.motion) < kSamePlace;
     });
@@ -77,7 +81,7 @@ std::vector<Candidate> search(const Matcher& matcher, const std::vector<Similari
       c.motion = matcher.refined(c.motion, stage.effort);
       c.score = matcher.roughScore(c.motion, stage.effort);
     }
-    candidates = best(matcher, std::move(candidates), stage.kept);
+    candidates = best(matcher, candidates, stage.kept);
   }
   return candidates;
 }
@@ -91,11 +95,11 @@ std::vector<Candidate> finished(const Matcher& matcher, std::vector<Candidate> c
     c.score = rmsOf(matcher.squaredErrors(c.motion, full));
   };
   for (Candidate& c : candidates) improve(c, half);
-  candidates = best(matcher, std::move(candidates), candidates.size());
+  candidates = best(matcher, candidates, candidates.size());
   const double least = candidates.front().score;
   for (Candidate& c : candidates)
     if (c.score < 4 * least) improve(c, full);
-  return best(matcher, std::move(candidates), candidates.size());
+  return best(matcher, candidates, candidates.size());
 }
 
 /// From the clouds' coordinates to the model's.
@@ -211,8 +215,10 @@ Alignment alignSurfels(std::span<const OrientedPoint> before, std::span<const Or
     return out;
   }
   const std::size_t points = std::max<std::size_t>(options.points, kFewest);
-  const Cloud from = alignment::cloudOf(before, {points, 10 * points}, options.seed);
-  const Cloud to = alignment::cloudOf(after, {points, 10 * points}, options.seed + 1);
+  // The search needs its density, however few points the end is content with.
+  const std::size_t spread = std::max(points, kLeastSpread);
+  const Cloud from = alignment::cloudOf(before, {spread, 10 * spread}, options.seed);
+  const Cloud to = alignment::cloudOf(after, {spread, 10 * spread}, options.seed + 1);
   const bool isWhole = options.mode == AlignmentMode::Whole;
   const Matcher matcher(from, to, options.mode);
   std::vector<Candidate> candidates = isWhole

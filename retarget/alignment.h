@@ -34,7 +34,8 @@ enum class AlignmentMode : std::uint8_t {
 struct AlignmentOptions {
   AlignmentMode mode = AlignmentMode::Whole;
   /// Points of each side that are matched in the last steps, at least 50; each is matched against at most ten
-  /// times as many of the other side. More cost in proportion and err less.
+  /// times as many (and at least 20,000, where there are so many) of the other side. More cost in proportion
+  /// and err less.
   std::uint32_t points = 2000;
   std::uint64_t seed = 1;  ///< of the choice of these points
 };

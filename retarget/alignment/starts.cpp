@@ -99,12 +99,14 @@ Similarity identityBetween(const Cloud& before, const Cloud& after) {
 std::vector<Similarity> wholeStarts(const Cloud& before, const Cloud& after) {
   std::vector<Similarity> starts{identityBetween(before, after)};
   const Rotation fromAxes = inverted(principalAxes(before)), toAxes = principalAxes(after);
-  // A sixth of a turn about a diagonal: from the middle between rotations of the cube.
-  const Rotation between = rotationAbout(DVec3(std::sqrt(1.0 / 3)), std::sqrt(1.0 / 3));
+  // A sixth of a turn about each diagonal: what lies in the middle between rotations of the cube.
+  std::vector<Rotation> offsets{{0, 0, 0, 1}};
+  const double third = std::sqrt(1.0 / 3);
+  for (const DVec3 signs : {DVec3(1, 1, 1), DVec3(-1, 1, 1), DVec3(1, -1, 1), DVec3(1, 1, -1)})
+    offsets.push_back(rotationAbout(third * signs, third));
   for (const Rotation& q : cubeRotations()) {
-    starts.push_back({q, 1, DVec3(0)});
+    for (const Rotation& offset : offsets) starts.push_back({composed(offset, q), 1, DVec3(0)});
     starts.push_back({composed(toAxes, composed(q, fromAxes)), 1, DVec3(0)});
-    starts.push_back({composed(between, q), 1, DVec3(0)});
   }
   return starts;
 }
