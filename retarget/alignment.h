@@ -72,8 +72,8 @@ struct Alignment {
 /// Where every point of `before` is in `after`, bit for bit, nothing has moved: the motion is the identity,
 /// whatever the shape, and the verdict is Found. (In mode Whole they must be as many, too.)
 ///
-/// The order of the points matters little but not nothing, their density not. Scales from 1/4 to 4 are
-/// looked for. Mirror images are different shapes. Fewer than 50 points on a side: NoFit. Not finite: throws
+/// The order of the points matters little but not nothing, their density not. Whole shapes may have any scale, patches are
+/// looked for at scales from 0.5 to 2. Mirror images are different shapes. Fewer than 50 points on a side: NoFit. Not finite: throws
 /// InputError. Equal arguments, equal result on one machine; other machines and compilers may differ in the
 /// last digits, so that whoever keeps a log records the outcome (DESIGN invariant 5). One thread.
 ///
