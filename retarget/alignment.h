@@ -72,10 +72,11 @@ struct Alignment {
 /// Where every point of `before` is in `after`, bit for bit, nothing has moved: the motion is the identity,
 /// whatever the shape, and the verdict is Found. (In mode Whole they must be as many, too.)
 ///
-/// The order of the points matters little but not nothing, their density not. Whole shapes may have any scale, patches are
-/// looked for at scales from 0.5 to 2. Mirror images are different shapes. Fewer than 50 points on a side: NoFit. Not finite: throws
-/// InputError. Equal arguments, equal result on one machine; other machines and compilers may differ in the
-/// last digits, so that whoever keeps a log records the outcome (DESIGN invariant 5). One thread.
+/// The order of the points matters little but not nothing, their density not. Whole shapes may have any
+/// scale, patches are looked for at scales from 0.5 to 2. Mirror images are different shapes. Fewer than 50
+/// points on a side: NoFit. Not finite: throws InputError. Equal arguments, equal result on one machine;
+/// other machines and compilers may differ in the last digits, so that whoever keeps a log records the
+/// outcome (DESIGN invariant 5). One thread.
 ///
 /// Not promised: that the motion is right where `after` is another shape than `before` all over; that a rival
 /// which the search did not try is noticed. retarget/README.md has the measured errors and costs.
