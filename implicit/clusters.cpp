@@ -115,15 +115,24 @@ Clusters::Clusters(ClusterOptions options) {
     throw InputError(
         fmt::format("the cluster size is {}; it must be finite and greater than 0", options.cell));
   float cell = options.cell;
+  for (int i = 0; i < kFinerGrids; ++i) cell /= kGridRatio;
   for (int i = 0; i < kGrids; ++i, cell *= kGridRatio) grids_.emplace_back(cell);
 }
 
 ClusterGrid& Clusters::gridFor(const Box& box) {
   const Vec3 size = box.max - box.min;
   const float span = std::fmax(size.x, std::fmax(size.y, size.z));
-  for (ClusterGrid& grid : grids_)
-    if (span <= kMaxSpan * grid.cell()) return grid;
+  for (std::size_t i = 0; i < kFinerGrids; ++i)
+    if (span <= grids_[i].cell()) return grids_[i];
+  for (std::size_t i = kFinerGrids; i < grids_.size(); ++i)
+    if (span <= kMaxSpan * grids_[i].cell()) return grids_[i];
   return grids_.back();
+}
+
+std::size_t Clusters::finestInUse() const {
+  for (std::size_t i = 0; i < grids_.size(); ++i)
+    if (grids_[i].size() > 0) return i;
+  return kFinerGrids;
 }
 
 std::size_t Clusters::bytes() const {

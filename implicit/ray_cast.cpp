@@ -97,7 +97,8 @@ class Walk {
 
   std::optional<RayHit> run() {
     const std::vector<ClusterGrid>& grids = list_.clusters().grids();
-    for (std::size_t g = 1; g < grids.size(); ++g) collectCoarse(grids[g]);
+    const std::size_t finest = list_.clusters().finestInUse();
+    for (std::size_t g = finest + 1; g < grids.size(); ++g) collectCoarse(grids[g]);
     std::sort(coarse_.begin(), coarse_.end(), [](const Interval& a, const Interval& b) {
       return a.label != b.label ? a.label < b.label : a.enter < b.enter;
     });
@@ -107,7 +108,7 @@ class Walk {
                               }),
                   coarse_.end());
     double tStart = ray_.tMin, tEnd = ray_.tMin;
-    const ClusterGrid& fine = grids[0];
+    const ClusterGrid& fine = grids[finest];
     if (fine.size() > 0) {
       const RayInterval in = clip(ray_, fine.hull(), 1e-4 * static_cast<double>(fine.cell()));
       if (in.enter <= in.exit && in.exit > ray_.tMin && in.enter < ray_.tMax) {

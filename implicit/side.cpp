@@ -50,7 +50,8 @@ void sidesOfGroup(const PrimitiveList& list, std::span<const Point> points, Side
     finite = finite && isFinite(p);
   }
   const float radius = box.halfDiagonal();
-  if (!finite || points.size() < 2 || radius > kShare * list.clusters().grids().front().cell()) {
+  const ClusterGrid& finest = list.clusters().grids()[list.clusters().finestInUse()];
+  if (!finite || points.size() < 2 || radius > kShare * finest.cell()) {
     for (std::size_t i = 0; i < points.size(); ++i) sides[i] = sideOf(list, points[i], prefix);
     return;
   }
