@@ -9,7 +9,7 @@ namespace restroke::implicit {
 DropBall dropBall(const Shape& shape) {
   const Sphere& s = shape.ball();
   if (const PosedVolume* volume = shape.volume())
-    return {s.center.x, s.center.y, s.center.z, s.radius + volume->slack(), 0, volume};
+    return {s.center.x, s.center.y, s.center.z, s.radius + volume->slack(), 0, &volume->gridded()};
   const SphereTolerance t = toleranceOf(s);
   return {s.center.x, s.center.y, s.center.z, s.radius + t.slack, t.dropRadius * t.dropRadius, nullptr};
 }
@@ -76,7 +76,7 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
 std::size_t NearBalls::bytes() const {
   return found_.capacity() * sizeof(Found) + seen_.capacity() * sizeof(std::uint32_t) +
          floats_.capacity() * sizeof(float) + positive_.capacity() +
-         volumes_.capacity() * sizeof(const PosedVolume*);
+         volumes_.capacity() * sizeof(const GriddedVolume*);
 }
 
 BallArrays NearBalls::arrays() const {

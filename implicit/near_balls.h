@@ -36,7 +36,7 @@ class NearBalls {
       seen_;  // by slot: the last round that met it, since a primitive is listed in several cells
   std::uint32_t round_ = 0;
   std::vector<float> floats_;  // six arrays, one after the other
-  std::vector<const PosedVolume*> volumes_;
+  std::vector<const GriddedVolume*> volumes_;
   bool anyVolume_ = false;
   std::vector<std::uint8_t> positive_;
   std::size_t stride_ = 0;

@@ -1,8 +1,10 @@
 #include "implicit/posed_volume.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "implicit/clearance_grid.h"
 #include "implicit/errors.h"
 
 namespace restroke::implicit {
@@ -48,7 +50,7 @@ std::array<float, 4> rotationTo(DVec3 axis, DVec3 along) {
 }
 
 PosedVolume::PosedVolume(std::shared_ptr<const Volume> volume, const Pose& pose)
-    : volume_(std::move(volume)), pose_(pose) {
+    : GriddedVolume(), volume_(std::move(volume)), pose_(pose) {
   const std::string_view name = volume_->kind().name;
   double q[4], n2 = 0;
   for (int i = 0; i < 4; ++i) {
@@ -103,6 +105,26 @@ PosedVolume::PosedVolume(std::shared_ptr<const Volume> volume, const Pose& pose)
   };
   bounds_.max = Point(position_ + DVec3(extent({1, 0, 0}), extent({0, 1, 0}), extent({0, 0, 1})));
   bounds_.min = Point(position_ - DVec3(extent({-1, 0, 0}), extent({0, -1, 0}), extent({0, 0, -1})));
+  placeGrid();
+  volume_->countPlace();
+}
+
+void PosedVolume::placeGrid() {
+  const GridGeometry grid(*volume_);
+  cells = volume_->cells();
+  for (int a = 0; a < 3; ++a) {
+    origin[a] = pose_.position[a];
+    for (int b = 0; b < 3; ++b)
+      toCells[3 * a + b] = static_cast<float>(m_[3 * b + a] * inverseScale_ / grid.cell);
+    shift[a] = static_cast<float>(-grid.low[a] / grid.cell);
+    last[a] = static_cast<float>(grid.size[static_cast<std::size_t>(a)]) - 0.5f;
+  }
+  row = static_cast<float>(grid.size[0]);
+  layer = static_cast<float>(grid.size[0] * grid.size[1]);
+  // Points in and about the volume are placed within a few roundings of their distance from the origin.
+  const VolumeMeasures& measures = volume_->measures();
+  const double rounding = 0x1p-20 * (length(measures.center) + 2 * measures.radius);
+  sure = rounding + dropDilation_ < kGridMargin * grid.cell;
 }
 
 void PosedVolume::intersect(const Ray& ray, std::vector<RayInterval>& intervals) const {
@@ -118,12 +140,16 @@ void PosedVolume::intersect(const Ray& ray, std::vector<RayInterval>& intervals)
 
 std::uint32_t PosedVolume::containsLanes(const PointGroup& group, bool dropping) const {
   const double dilation = dropping ? dropDilation_ : 0;
-  // All of the points may be on one side, as their sphere tells.
-  const DropBall& sphere = group.sphere;
-  const double reach = static_cast<double>(sphere.reach) * inverseScale_;
-  const double clearance = volume_->clearance(toLocal(DVec3(Point(sphere.x, sphere.y, sphere.z))));
-  if (clearance > reach + dilation) return 0;
-  if (clearance < -reach) return group.lanes;
+  if (!sure || !__atomic_load_n(cells, __ATOMIC_RELAXED)) {
+    // All of the points may be on one side, as their sphere tells. (Those that a grid left are near the
+    // surface.)
+    const DropBall& sphere = group.sphere;
+    const double reach = static_cast<double>(sphere.reach) * inverseScale_;
+    const double clearance = volume_->clearance(toLocal(DVec3(Point(sphere.x, sphere.y, sphere.z))));
+    if (clearance > reach + dilation) return 0;
+    if (clearance < -reach) return group.lanes;
+    if (sure) volume_->countAsked(static_cast<std::uint32_t>(std::popcount(group.lanes)));
+  }
   LocalPoints points;
   for (std::uint32_t left = group.lanes; left != 0; left &= left - 1) {
     const auto i = static_cast<unsigned>(__builtin_ctz(left));
@@ -141,8 +167,8 @@ bool PosedVolume::operator==(const PosedVolume& other) const {
                                        volume_->parameters() == other.volume_->parameters()));
 }
 
-std::uint32_t lanesInVolume(const PosedVolume& volume, const PointGroup& group, bool dropping) {
-  return volume.containsLanes(group, dropping);
+std::uint32_t lanesInVolume(const GriddedVolume& volume, const PointGroup& group, bool dropping) {
+  return static_cast<const PosedVolume&>(volume).containsLanes(group, dropping);
 }
 
 }  // namespace restroke::implicit

@@ -24,7 +24,7 @@ struct Pose {
 [[nodiscard]] std::array<float, 4> rotationTo(DVec3 axis, DVec3 along);
 
 /// Immutable; shared by the primitives that are it.
-class PosedVolume {
+class PosedVolume : private GriddedVolume {
  public:
   /// Throws InputError when the pose is not finite, not a similarity, reaches beyond kMaxCoordinate, or makes
   /// the volume so thin or so far away that float32 cannot tell its sides apart (thickness under 2^-14 of its
@@ -48,6 +48,7 @@ class PosedVolume {
   /// Appends where the ray's whole line is inside.
   void intersect(const Ray& ray, std::vector<RayInterval>& intervals) const;
   [[nodiscard]] std::uint32_t containsLanes(const PointGroup& group, bool dropping) const;
+  friend std::uint32_t lanesInVolume(const GriddedVolume& volume, const PointGroup& group, bool dropping);
 
   [[nodiscard]] DVec3 toLocal(DVec3 p) const {
     const DVec3 d = p - position_;
@@ -61,6 +62,8 @@ class PosedVolume {
   // model or in the volume's own frame.
   [[nodiscard]] float keepOffset() const { return keepOffset_; }  ///< 2^-18 m
   [[nodiscard]] float slack() const { return slack_; }            ///< 2^-17 m
+  /// As the kernels look points up.
+  [[nodiscard]] const GriddedVolume& gridded() const { return *this; }
   /// As the kernels turn samples.
   [[nodiscard]] const Rotations& rotations() const { return rotations_; }
 
@@ -75,6 +78,8 @@ class PosedVolume {
     return {m_[0] * v.x + m_[1] * v.y + m_[2] * v.z, m_[3] * v.x + m_[4] * v.y + m_[5] * v.z,
             m_[6] * v.x + m_[7] * v.y + m_[8] * v.z};
   }
+
+  void placeGrid();
 
   std::shared_ptr<const Volume> volume_;
   Pose pose_;

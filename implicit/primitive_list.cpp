@@ -37,8 +37,33 @@ void validate(const Primitive& primitive) {
 PrimitiveList::PrimitiveList(ClusterOptions options) : clusters_(options) {}
 
 PrimitiveId PrimitiveList::insert(std::size_t position, const Primitive& primitive) {
+  insert(position, {&primitive, 1});
+  return idAt(position);
+}
+
+void PrimitiveList::insert(std::size_t position, std::span<const Primitive> primitives) {
   RESTROKE_CHECK_LE(position, size());
-  validate(primitive);
+  for (const Primitive& primitive : primitives) validate(primitive);
+  const std::size_t count = primitives.size();
+  const auto labelBefore = [&] { return position == 0 ? 0 : labels_[order_[position - 1]]; };
+  Label before = labelBefore(), step = kLabelStep;
+  if (position < size()) {
+    if ((labels_[order_[position]] - before) / (count + 1) == 0) {
+      relabelAll();
+      before = labelBefore();
+    }
+    step = (labels_[order_[position]] - before) / (count + 1);
+  }
+  order_.insert(order_.begin() + static_cast<std::ptrdiff_t>(position), count, 0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t slot = takeSlot(primitives[i]);
+    order_[position + i] = slot;
+    labels_[slot] = before + (i + 1) * step;
+    clusters_.insert(slot, boundsOf(primitives[i].shape), labels_);
+  }
+}
+
+std::uint32_t PrimitiveList::takeSlot(const Primitive& primitive) {
   std::uint32_t slot;
   if (free_.empty()) {
     slot = static_cast<std::uint32_t>(slots_.size());
@@ -52,24 +77,24 @@ PrimitiveId PrimitiveList::insert(std::size_t position, const Primitive& primiti
   }
   const Sphere& s = primitive.shape.ball();
   balls_[slot] = {s.center.x, s.center.y, s.center.z, s.radius + slackOf(primitive.shape)};
-  Label before = position == 0 ? 0 : labels_[order_[position - 1]];
-  if (position < size() && labels_[order_[position]] - before < 2) {
-    relabelAll();
-    before = position == 0 ? 0 : labels_[order_[position - 1]];
-  }
-  labels_[slot] =
-      position == size() ? before + kLabelStep : before + (labels_[order_[position]] - before) / 2;
-  order_.insert(order_.begin() + static_cast<std::ptrdiff_t>(position), slot);
-  clusters_.insert(slot, boundsOf(primitive.shape), labels_);
-  return PrimitiveId{slot};
+  return slot;
 }
 
 void PrimitiveList::remove(PrimitiveId id) {
-  const std::uint32_t slot = slotOf(id);
-  clusters_.remove(slot, boundsOf(slots_[slot].shape), labels_);
-  order_.erase(order_.begin() + static_cast<std::ptrdiff_t>(positionOf(id)));
-  slots_[slot] = {};  // a volume is let go of
-  free_.push_back(slot);
+  remove(positionOf(id), 1);
+}
+
+void PrimitiveList::remove(std::size_t first, std::size_t count) {
+  RESTROKE_CHECK_LE(first, size());
+  RESTROKE_CHECK_LE(count, size() - first);
+  for (std::size_t i = count; i-- > 0;) {
+    const std::uint32_t slot = order_[first + i];
+    clusters_.remove(slot, boundsOf(slots_[slot].shape), labels_);
+    slots_[slot] = {};  // a volume is let go of
+    free_.push_back(slot);
+  }
+  const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(first);
+  order_.erase(begin, begin + static_cast<std::ptrdiff_t>(count));
 }
 
 std::size_t PrimitiveList::positionOf(PrimitiveId id) const {

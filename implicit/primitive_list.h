@@ -39,7 +39,12 @@ class PrimitiveList {
   /// Puts the primitive before the one that is at `position` (0 to size()). Throws InputError as
   /// validate does.
   PrimitiveId insert(std::size_t position, const Primitive& primitive);
+  /// The same for several, in order: the position table moves once. All are validated before any is put on
+  /// the list.
+  void insert(std::size_t position, std::span<const Primitive> primitives);
   void remove(PrimitiveId id);
+  /// Takes out the primitives at positions first .. first + count - 1; the position table moves once.
+  void remove(std::size_t first, std::size_t count);
 
   [[nodiscard]] PrimitiveId idAt(std::size_t position) const { return PrimitiveId{order_[position]}; }
   /// O(log n).
@@ -79,6 +84,7 @@ class PrimitiveList {
 
  private:
   void relabelAll();
+  [[nodiscard]] std::uint32_t takeSlot(const Primitive& primitive);
 
   std::vector<Primitive> slots_;
   std::vector<Label> labels_;         // of each slot

@@ -55,6 +55,10 @@ const SampleTable& samplesOf(const Shape& shape, std::uint32_t count) {
   return shape.isSphere() ? sphereSamples(count) : shape.volume()->volume().samples(count);
 }
 
+bool keepsSamples(const Shape& shape) {
+  return shape.isSphere() || shape.volume()->volume().keepsSamples();
+}
+
 SampledShape sampled(const Shape& shape, const SampleTable& samples) {
   if (shape.isSphere()) {
     const Sphere& s = shape.ball();

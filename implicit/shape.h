@@ -58,9 +58,10 @@ void intersect(const Shape& shape, const Ray& ray, std::vector<RayInterval>& int
 /// Throws InputError when the shape would have more than kMaxSamples samples at the density (samples per
 /// square model unit). A value of sampleCountFor.
 [[nodiscard]] std::uint32_t sampleCount(const Shape& shape, float density);
-/// The table of the shape's samples, shared by shapes that differ only in place. It lives as long as the
-/// shape's volume; a sphere's always. Its own count may differ a little from the one asked for.
+/// The table of the shape's samples, shared by shapes that differ only in place. Where keepsSamples, it lives
+/// as long as the shape's volume, and a sphere's always; else see Volume::samples.
 [[nodiscard]] const SampleTable& samplesOf(const Shape& shape, std::uint32_t count);
+[[nodiscard]] bool keepsSamples(const Shape& shape);
 /// Surface area in square model units.
 [[nodiscard]] double areaOf(const Shape& shape);
 

@@ -1,6 +1,7 @@
 #pragma once
 // A closed volume other than the sphere, in its own frame (SPEC S1, S13): what each kind provides.
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -26,6 +27,9 @@ struct VolumeMeasures {
   double volume = 0;     ///< enclosed
   double thickness = 0;  ///< smallest size that matters: float32 must be able to tell its sides apart
 };
+
+/// Tables of samples that each thread remembers of those that no volume keeps.
+inline constexpr std::size_t kRecentSamples = 32;
 
 /// Immutable. Everything that decides a result is computed in double, from + - * / and sqrt in a fixed order:
 /// the same bits everywhere. A kind derives from VolumeOf (below) and is listed in volume_kinds.cpp;
@@ -57,19 +61,34 @@ class Volume {
   /// Greatest dot(p, direction) over the volume: its extent that way. `direction` is a unit vector.
   [[nodiscard]] virtual double support(DVec3 direction) const = 0;
 
-  /// Near-uniform samples, about `count` of them (a value of sampleCountFor). Made at the first call and kept
-  /// as long as the volume. Thread-safe.
+  /// Near-uniform samples, about `count` of them (a value of sampleCountFor). Thread-safe. Made at the first
+  /// call and kept as long as the volume, where keepsSamples(); else made anew when need be, and to be used
+  /// before this thread has asked for kRecentSamples others.
   [[nodiscard]] const SampleTable& samples(std::uint32_t count) const;
+  /// False for volumes that stand in one place only and can make their samples quickly: the legs of a swept
+  /// stroke, whose samples would be most of what a model holds. Once true, it stays so.
+  [[nodiscard]] bool keepsSamples() const {
+    return !makesSamplesQuickly() || places_.load(std::memory_order_relaxed) > 1;
+  }
+  /// To be called by whatever places it in a model.
+  void countPlace() const { places_.fetch_add(1, std::memory_order_relaxed); }
+  /// Where sidesOfCells (clearance_grid.h) can be read. Null there until countAsked has come to as many
+  /// points as a grid has cells: a volume that is asked little never pays for one. No result depends on it.
+  /// To be read atomically.
+  [[nodiscard]] const std::int8_t* const* cells() const { return &cells_; }
+  /// So many points were asked about one by one. Thread-safe.
+  void countAsked(std::uint32_t points) const;
   /// Bytes held, the samples made so far included.
   [[nodiscard]] std::size_t bytes() const;
 
  protected:
-  Volume(const VolumeKind& kind, VolumeParameters parameters)
-      : kind_(kind), parameters_(std::move(parameters)) {}
+  Volume(const VolumeKind& kind, VolumeParameters parameters);
   /// To be called in the constructor.
   void setMeasures(const VolumeMeasures& measures) { measures_ = measures; }
   /// The samples, a multiple of kPatch of them: always the same for the same volume and count.
-  [[nodiscard]] virtual std::vector<SurfaceSample> makeSamples(std::uint32_t count) const = 0;
+  [[nodiscard]] virtual SampleTable makeSamples(std::uint32_t count) const = 0;
+  /// Whether makeSamples takes no longer than a few side tests a sample.
+  [[nodiscard]] virtual bool makesSamplesQuickly() const { return false; }
   /// Bytes that the kind holds beyond its own size.
   [[nodiscard]] virtual std::size_t ownBytes() const { return 0; }
 
@@ -79,6 +98,10 @@ class Volume {
   VolumeMeasures measures_;
   mutable std::mutex mutex_;
   mutable std::vector<std::pair<std::uint32_t, std::unique_ptr<SampleTable>>> tables_;  // by count asked for
+  std::uint64_t id_;  // of this volume alone in the process
+  mutable std::atomic<std::uint32_t> places_{0}, asked_{0};
+  mutable std::vector<std::int8_t> sidesOfCells_;
+  mutable const std::int8_t* cells_ = nullptr;
 };
 
 /// Writes the batch once for all kinds: `Kind` has `bool inside(DVec3 p, double dilation) const`.

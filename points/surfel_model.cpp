@@ -83,9 +83,15 @@ SurfelModel::SurfelModel(SamplingOptions sampling, implicit::ClusterOptions clus
         fmt::format("the density is {}; it must be finite and greater than 0", sampling.density));
 }
 
+const SampleTable& SurfelModel::tableIn(std::uint32_t slot) const {
+  const Samples& own = samples_[slot];
+  return own.table ? *own.table
+                   : implicit::samplesOf(list_[PrimitiveId{slot}].shape, own.patches * std::uint32_t{kPatch});
+}
+
 SampledShape SurfelModel::shapeIn(std::uint32_t slot) const {
   const Primitive& p = list_[PrimitiveId{slot}];
-  SampledShape shape = implicit::sampled(p.shape, *samples_[slot].table);
+  SampledShape shape = implicit::sampled(p.shape, tableIn(slot));
   shape.positive = p.sign == Sign::Positive;
   return shape;
 }
@@ -94,37 +100,48 @@ void SurfelModel::append(std::span<const Primitive> primitives, const Execution&
   insert(list_.size(), primitives, execution);
 }
 
-void SurfelModel::insert(std::size_t position, std::span<const Primitive> primitives, const Execution&) {
+void SurfelModel::insert(std::size_t position, std::span<const Primitive> primitives,
+                         const Execution& execution) {
   RESTROKE_CHECK_LE(position, list_.size());
   for (const Primitive& p : primitives) {
     implicit::validate(p);
     (void)implicit::sampleCount(p.shape, sampling_.density);
   }
-  for (std::size_t i = 0; i < primitives.size(); ++i) insertOne(position + i, primitives[i]);
+  if (edits_) {
+    insertUnseen(position, primitives);
+    for (std::size_t i = 0; i < primitives.size(); ++i) {
+      edits_->balls.push_back(implicit::dropBall(primitives[i].shape));
+      if (!primitives[i].shape.isSphere()) edits_->shapes.push_back(primitives[i].shape);
+      edits_->inserted.push_back(PrimitiveList::slotOf(list_.idAt(position + i)));
+    }
+  } else if (position < list_.size() && primitives.size() > 1) {
+    beginEdits();
+    insert(position, primitives, execution);
+    endEdits(execution);
+  } else {
+    for (std::size_t i = 0; i < primitives.size(); ++i) insertOne(position + i, primitives[i]);
+  }
 }
 
-std::uint32_t SurfelModel::insertUnseen(std::size_t position, const Primitive& primitive) {
-  const SampleTable& table =
-      implicit::samplesOf(primitive.shape, implicit::sampleCount(primitive.shape, sampling_.density));
-  const std::uint32_t slot = PrimitiveList::slotOf(list_.insert(position, primitive));
-  if (slot >= samples_.size()) samples_.resize(slot + 1);
-  Samples& own = samples_[slot];
-  own.table = &table;
-  own.visible = std::make_unique<std::uint16_t[]>(table.patches());
-  visibleBytes_ += table.patches() * sizeof(std::uint16_t);
-  return slot;
+void SurfelModel::insertUnseen(std::size_t position, std::span<const Primitive> primitives) {
+  list_.insert(position, primitives);
+  samples_.resize(std::max(samples_.size(), list_.slotCount()));
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    const implicit::Shape& shape = primitives[i].shape;
+    const SampleTable& table = implicit::samplesOf(shape, implicit::sampleCount(shape, sampling_.density));
+    Samples& own = samples_[PrimitiveList::slotOf(list_.idAt(position + i))];
+    own.table = implicit::keepsSamples(shape) ? &table : nullptr;
+    own.patches = table.patches();
+    own.visible = std::make_unique<std::uint16_t[]>(own.patches);
+    visibleBytes_ += own.patches * sizeof(std::uint16_t);
+  }
 }
 
 void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
   const implicit::BallKernels& kernels = implicit::ballKernels();
-  const std::uint32_t slot = insertUnseen(position, primitive);
+  insertUnseen(position, {&primitive, 1});
+  const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(position));
   const DropBall drop = implicit::dropBall(primitive.shape);
-  if (edits_) {
-    edits_->balls.push_back(drop);
-    if (!primitive.shape.isSphere()) edits_->shapes.push_back(primitive.shape);
-    edits_->inserted.push_back(slot);
-    return;
-  }
   near_.gather(list_, drop, std::numeric_limits<PrimitiveList::Label>::max(), list_.labels()[slot]);
   const implicit::BallArrays balls = near_.arrays();
 
@@ -134,7 +151,7 @@ void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
   const int top = shape.tree->levels - 1;
   for (std::uint32_t node = 0; node < shape.tree->level[top].count; ++node)
     kernels.evaluateNode(shape, top, node, balls, own.visible.get());
-  for (std::uint32_t p = 0; p < own.table->patches(); ++p)
+  for (std::uint32_t p = 0; p < own.patches; ++p)
     surfelCount_ += static_cast<unsigned>(std::popcount(own.visible[p]));
 
   // Older samples in it go; younger ones may go or come, because what they were added to or carved from has
@@ -160,12 +177,12 @@ void SurfelModel::remove(std::size_t first, std::size_t count, const Execution& 
     edits.balls.push_back(implicit::dropBall(shape));
     if (!shape.isSphere()) edits.shapes.push_back(shape);
     Samples& own = samples_[slot];
-    for (std::uint32_t p = 0; p < own.table->patches(); ++p)
+    for (std::uint32_t p = 0; p < own.patches; ++p)
       surfelCount_ -= static_cast<unsigned>(std::popcount(own.visible[p]));
-    visibleBytes_ -= own.table->patches() * sizeof(std::uint16_t);
+    visibleBytes_ -= own.patches * sizeof(std::uint16_t);
     own = {};
-    list_.remove(id);
   }
+  list_.remove(first, count);
   if (edits_) return;
   // What was in a removed ball, or asked about it, is evaluated again.
   std::vector<std::uint64_t> changed;
@@ -183,8 +200,8 @@ void SurfelModel::endEdits(const Execution& execution) {
   std::vector<std::uint64_t> changed;
   for (const std::uint32_t slot : edits->inserted) {
     const Samples& own = samples_[slot];
-    if (!own.table) continue;  // removed since
-    for (std::uint32_t p = 0; p < own.table->patches(); ++p) changed.push_back(std::uint64_t{slot} << 32 | p);
+    if (!own.visible) continue;  // removed since
+    for (std::uint32_t p = 0; p < own.patches; ++p) changed.push_back(std::uint64_t{slot} << 32 | p);
   }
   reevaluateAround(edits->balls, changed, execution);
 }
@@ -199,7 +216,7 @@ void SurfelModel::reevaluateAround(std::span<const DropBall> balls, std::vector<
 }
 
 void SurfelModel::addTouched(std::uint32_t slot, const DropBall& ball, std::vector<std::uint64_t>& patches) {
-  touched_.resize(std::max<std::size_t>(touched_.size(), samples_[slot].table->patches()));
+  touched_.resize(std::max<std::size_t>(touched_.size(), samples_[slot].patches));
   const std::size_t n = implicit::ballKernels().touchedPatches(shapeIn(slot), ball, touched_.data());
   for (std::size_t k = 0; k < n; ++k) patches.push_back(std::uint64_t{slot} << 32 | touched_[k]);
 }
@@ -255,7 +272,7 @@ std::vector<SurfelModel::Run> SurfelModel::runsOf(Prefix prefix) const {
   const std::size_t end = std::min(prefix.count, list_.size());
   for (std::size_t i = 0; i < end; ++i) {
     const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
-    const SampleTable& table = *samples_[slot].table;
+    const SampleTable& table = tableIn(slot);
     if (table.patches() <= kRunPatches) {
       runs.push_back({slot, table.tree().levels - 1, 0, true});
     } else {
@@ -301,7 +318,7 @@ void SurfelModel::rebuild(const Execution& execution) {
   evaluate(runsOf({}), visibleBySlot(), {}, execution);
   surfelCount_ = 0;
   for (const Samples& s : samples_)
-    for (std::uint32_t p = 0; s.table && p < s.table->patches(); ++p)
+    for (std::uint32_t p = 0; p < s.patches; ++p)
       surfelCount_ += static_cast<unsigned>(std::popcount(s.visible[p]));
 }
 
@@ -311,7 +328,7 @@ std::vector<Surfel> SurfelModel::expand(std::span<std::uint16_t* const> visible,
   for (std::size_t i = 0; i < primitives; ++i) {
     const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
     std::size_t n = 0;
-    for (std::uint32_t p = 0; p < samples_[slot].table->patches(); ++p)
+    for (std::uint32_t p = 0; p < samples_[slot].patches; ++p)
       n += static_cast<unsigned>(std::popcount(visible[slot][p]));
     first[i + 1] = first[i] + n;
   }
@@ -321,7 +338,7 @@ std::vector<Surfel> SurfelModel::expand(std::span<std::uint16_t* const> visible,
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         const Primitive& primitive = list_.at(i);
         const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
-        const SampleTable& table = *samples_[slot].table;
+        const SampleTable& table = tableIn(slot);
         const SampledShape shape = shapeIn(slot);
         const float radius = discRadius(primitive.shape, table.count());
         std::size_t at = first[i];
@@ -350,7 +367,7 @@ std::vector<Surfel> SurfelModel::surfels(Prefix prefix, const Execution& executi
   std::vector<std::uint16_t*> visible(samples_.size(), nullptr);
   for (std::size_t i = 0; i < prefix.count; ++i) {
     const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
-    masks[slot].resize(samples_[slot].table->patches());
+    masks[slot].resize(samples_[slot].patches);
     visible[slot] = masks[slot].data();
   }
   evaluate(runsOf(prefix), visible, prefix, execution);
@@ -369,7 +386,7 @@ std::uint64_t SurfelModel::stateHash(const Execution& execution) const {
         const Samples& s = samples_[slot];
         const SampledShape shape = shapeIn(slot);
         describe(primitive, numbers);
-        for (std::uint32_t p = 0; p < s.table->patches(); ++p)
+        for (std::uint32_t p = 0; p < s.patches; ++p)
           for (std::uint32_t bits = s.visible[p]; bits != 0; bits &= bits - 1) {
             const implicit::PlacedSample at =
                 implicit::placedSample(shape, p * static_cast<std::uint32_t>(kPatch) +

@@ -66,14 +66,16 @@ class SurfelModel {
  private:
   /// The samples of the primitive in one slot of the list.
   struct Samples {
-    const implicit::SampleTable* table = nullptr;
+    const implicit::SampleTable* table = nullptr;  ///< null: to be asked for each time (keepsSamples)
+    std::uint32_t patches = 0;
     std::unique_ptr<std::uint16_t[]> visible;  ///< bit k of visible[p]: sample 16 p + k is a surfel
   };
   /// A run of patches of one primitive: the unit of parallel work.
   struct Run;
+  [[nodiscard]] const implicit::SampleTable& tableIn(std::uint32_t slot) const;
   [[nodiscard]] implicit::SampledShape shapeIn(std::uint32_t slot) const;
   void insertOne(std::size_t position, const implicit::Primitive& primitive);
-  [[nodiscard]] std::uint32_t insertUnseen(std::size_t position, const implicit::Primitive& primitive);
+  void insertUnseen(std::size_t position, std::span<const implicit::Primitive> primitives);
   void reevaluateAround(std::span<const implicit::DropBall> balls, std::vector<std::uint64_t>& patches,
                         const Execution& execution);
   /// Appends the patches of a primitive that reach into the ball, as slot << 32 | patch.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "implicit/errors.h"
 #include "retarget/alignment/matcher.h"
@@ -24,11 +25,12 @@ using alignment::Matcher;
 using alignment::Sampling;
 
 constexpr std::size_t kFewest = 50;
+constexpr std::size_t kLeastSpread = 2000;
 
 // Measured (retarget/README.md): shapes that determine the motion lie far above, the others far below.
 constexpr double kLeastFirmness = 3e-4;
 constexpr double kLeastRivalRatio = 1.5;
-constexpr double kMostRms = 0.03;
+constexpr double kMostRms = 0.015;
 /// Motions that take the points to places within this many RMS radii of each other are one motion.
 constexpr double kSamePlace = 0.05;
 
@@ -42,13 +44,20 @@ struct Stage {
   std::size_t kept;
 };
 
+constexpr std::array kWholeStages{Stage{{60, 4}, 40}, Stage{{150, 8}, 12}, Stage{{300, 10}, 6}};
+constexpr std::array kPatchStages{Stage{{40, 0}, 1000}, Stage{{60, 4}, 150}, Stage{{200, 6}, 30},
+                                  Stage{{500, 10}, 8}};
+constexpr std::array kRivalStages{Stage{{150, 8}, 8}, Stage{{500, 10}, 3}};
+
 /// The best of the candidates, at most `kept`, one from each place; among equals the first.
-std::vector<Candidate> best(const Matcher& matcher, std::vector<Candidate> candidates, std::size_t kept) {
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+std::vector<Candidate> best(const Matcher& matcher, std::span<const Candidate> candidates, std::size_t kept) {
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t k = 0; k < candidates.size(); ++k) order.emplace_back(candidates[k].score, k);
+  std::sort(order.begin(), order.end());
   std::vector<Candidate> chosen;
-  for (const Candidate& c : candidates) {
+  for (const auto& [score, k] : order) {
     if (chosen.size() == kept) break;
+    const Candidate& c = candidates[k];
     const bool isNew = std::none_of(chosen.begin(), chosen.end(), [&](const Candidate& other) {
       return matcher.distance(other.motion, c.motion) < kSamePlace;
     });
@@ -72,24 +81,25 @@ std::vector<Candidate> search(const Matcher& matcher, const std::vector<Similari
       c.motion = matcher.refined(c.motion, stage.effort);
       c.score = matcher.roughScore(c.motion, stage.effort);
     }
-    candidates = best(matcher, std::move(candidates), stage.kept);
+    candidates = best(matcher, candidates, stage.kept);
   }
   return candidates;
 }
 
 /// The candidates with all points. Only those that come near to the best are worth the last digits.
-std::vector<Candidate> finished(const Matcher& matcher, std::vector<Candidate> candidates, std::size_t points) {
+std::vector<Candidate> finished(const Matcher& matcher, std::vector<Candidate> candidates,
+                                std::size_t points) {
   const Effort half{points / 4, 8, Sampling::Fine}, full{points, 20, Sampling::Fine};
   const auto improve = [&](Candidate& c, const Effort& effort) {
     c.motion = matcher.refined(c.motion, effort);
     c.score = rmsOf(matcher.squaredErrors(c.motion, full));
   };
   for (Candidate& c : candidates) improve(c, half);
-  candidates = best(matcher, std::move(candidates), candidates.size());
+  candidates = best(matcher, candidates, candidates.size());
   const double least = candidates.front().score;
   for (Candidate& c : candidates)
     if (c.score < 4 * least) improve(c, full);
-  return best(matcher, std::move(candidates), candidates.size());
+  return best(matcher, candidates, candidates.size());
 }
 
 /// From the clouds' coordinates to the model's.
@@ -124,26 +134,32 @@ void requireFinite(std::span<const OrientedPoint> points, const char* which) {
   for (std::size_t k = 0; k < points.size(); ++k)
     if (!isFinite(points[k].position) || !isFinite(points[k].normal) ||
         !(dot(points[k].normal, points[k].normal) > 0))
-      throw InputError(fmt::format("alignment: point {} of `{}` or its normal is not finite, or the normal is 0; both must be finite, the normal of length 1", k, which));
+      throw InputError(
+          fmt::format("alignment: point {} of `{}` or its normal is not finite, or the normal is 0; both "
+                      "must be finite, the normal of length 1",
+                      k, which));
 }
 
 void judge(Alignment& out) {
   if (out.relativeRms > kMostRms) {
     out.verdict = AlignmentVerdict::NoFit;
-    out.reason = fmt::format("the best motion leaves an RMS distance of {:.2g} radii between the surfaces; {} is the most",
-                             out.relativeRms, kMostRms);
+    out.reason = fmt::format(
+        "the best motion leaves an RMS distance of {:.2g} radii between the surfaces; {} is the most",
+        out.relativeRms, kMostRms);
   } else if (out.firmness < kLeastFirmness) {
     out.verdict = AlignmentVerdict::Featureless;
-    out.reason = fmt::format("the shape can slide along itself: the smallest eigenvalue is {:.2g}; {} is the least",
-                             out.firmness, kLeastFirmness);
+    out.reason =
+        fmt::format("the shape can slide along itself: the smallest eigenvalue is {:.2g}; {} is the least",
+                    out.firmness, kLeastFirmness);
   } else if (out.rivalRatio < kLeastRivalRatio) {
     out.verdict = AlignmentVerdict::Symmetric;
-    out.reason = fmt::format("another motion fits almost as well: its RMS distance is {:.3g} times the best; {} is the least",
-                             out.rivalRatio, kLeastRivalRatio);
+    out.reason = fmt::format(
+        "another motion fits almost as well: its RMS distance is {:.3g} times the best; {} is the least",
+        out.rivalRatio, kLeastRivalRatio);
   } else {
     out.verdict = AlignmentVerdict::Found;
-    out.reason = fmt::format("RMS distance {:.2g} radii; the next best motion has {:.3g} times as much", out.relativeRms,
-                             out.rivalRatio);
+    out.reason = fmt::format("RMS distance {:.2g} radii; the next best motion has {:.3g} times as much",
+                             out.relativeRms, out.rivalRatio);
   }
 }
 
@@ -151,10 +167,14 @@ void judge(Alignment& out) {
 
 std::string_view nameOf(AlignmentVerdict verdict) {
   switch (verdict) {
-    case AlignmentVerdict::Found: return "found";
-    case AlignmentVerdict::Symmetric: return "symmetric";
-    case AlignmentVerdict::Featureless: return "featureless";
-    case AlignmentVerdict::NoFit: break;
+    case AlignmentVerdict::Found:
+      return "found";
+    case AlignmentVerdict::Symmetric:
+      return "symmetric";
+    case AlignmentVerdict::Featureless:
+      return "featureless";
+    case AlignmentVerdict::NoFit:
+      break;
   }
   return "no fit";
 }
@@ -184,8 +204,8 @@ Alignment alignSurfels(std::span<const OrientedPoint> before, std::span<const Or
   requireFinite(after, "after");
   Alignment out;
   if (before.size() < kFewest || after.size() < kFewest) {
-    out.reason = fmt::format("{} points before and {} after; at least {} are needed", before.size(), after.size(),
-                             kFewest);
+    out.reason = fmt::format("{} points before and {} after; at least {} are needed", before.size(),
+                             after.size(), kFewest);
     return out;
   }
   if (isUnchanged(before, after, options.mode)) {
@@ -195,17 +215,21 @@ Alignment alignSurfels(std::span<const OrientedPoint> before, std::span<const Or
     return out;
   }
   const std::size_t points = std::max<std::size_t>(options.points, kFewest);
-  const Cloud from = alignment::cloudOf(before, {points, 10 * points}, options.seed);
-  const Cloud to = alignment::cloudOf(after, {points, 10 * points}, options.seed + 1);
+  // The search needs its density, however few points the end is content with.
+  const std::size_t spread = std::max(points, kLeastSpread);
+  const Cloud from = alignment::cloudOf(before, {spread, 10 * spread}, options.seed);
+  const Cloud to = alignment::cloudOf(after, {spread, 10 * spread}, options.seed + 1);
   const bool isWhole = options.mode == AlignmentMode::Whole;
   const Matcher matcher(from, to, options.mode);
-  constexpr std::array kWholeStages{Stage{{80, 6}, 12}, Stage{{300, 8}, 4}};
-  constexpr std::array kPatchStages{Stage{{40, 0}, 400}, Stage{{60, 4}, 60}, Stage{{200, 6}, 12}, Stage{{500, 10}, 4}};
-  const std::vector<Candidate> found =
-      finished(matcher,
-               isWhole ? search(matcher, alignment::wholeStarts(from, to), kWholeStages)
-                       : search(matcher, alignment::patchStarts(from, to), kPatchStages),
-               points);
+  std::vector<Candidate> candidates = isWhole
+                                          ? search(matcher, alignment::wholeStarts(from, to), kWholeStages)
+                                          : search(matcher, alignment::patchStarts(from, to), kPatchStages);
+  // A part that looks like itself when it is turned has its rivals here, where a sweep need not have kept
+  // them.
+  const std::vector<Candidate> rivals =
+      search(matcher, alignment::turnedStarts(from, candidates.front().motion), kRivalStages);
+  candidates.insert(candidates.end(), rivals.begin(), rivals.end());
+  const std::vector<Candidate> found = finished(matcher, std::move(candidates), points);
   Candidate chosen = found.front();
   // Of those that fit alike the smallest motion: what did not move should stay.
   const Similarity identity = alignment::identityBetween(from, to);

@@ -1,6 +1,6 @@
 #pragma once
-// The motion of a shape, or of a part of it, estimated from its surfels before and after (SPEC S10): a stroke's
-// camera moves along, and the stroke finds the part on which it was drawn.
+// The motion of a shape, or of a part of it, estimated from its surfels before and after (SPEC S10): a
+// stroke's camera moves along, and the stroke finds the part on which it was drawn.
 
 #include <cstdint>
 #include <span>
@@ -34,7 +34,8 @@ enum class AlignmentMode : std::uint8_t {
 struct AlignmentOptions {
   AlignmentMode mode = AlignmentMode::Whole;
   /// Points of each side that are matched in the last steps, at least 50; each is matched against at most ten
-  /// times as many of the other side. More cost in proportion and err less.
+  /// times as many (and at least 20,000, where there are so many) of the other side. More cost in proportion
+  /// and err less.
   std::uint32_t points = 2000;
   std::uint64_t seed = 1;  ///< of the choice of these points
 };
@@ -42,7 +43,8 @@ struct AlignmentOptions {
 enum class AlignmentVerdict : std::uint8_t {
   Found,
   Symmetric,    ///< two motions that take the stroke to different places fit almost equally well
-  Featureless,  ///< the shape slides along itself (ball, plane, shaft): no motion is better than its neighbours
+  Featureless,  ///< the shape slides along itself (ball, plane, shaft): no motion is better than its
+                ///< neighbours
   NoFit,        ///< no motion takes the one onto the other
 };
 
@@ -70,14 +72,16 @@ struct Alignment {
 /// Where every point of `before` is in `after`, bit for bit, nothing has moved: the motion is the identity,
 /// whatever the shape, and the verdict is Found. (In mode Whole they must be as many, too.)
 ///
-/// The order of the points matters little but not nothing, their density not. Scales from 1/4 to 4 are
-/// looked for. Mirror images are different shapes. Fewer than 50 points on a side: NoFit. Not finite: throws
-/// InputError. Equal arguments, equal result on one machine; other machines and compilers may differ in the last
-/// digits, so that whoever keeps a log records the outcome (DESIGN invariant 5). One thread.
+/// The order of the points matters little but not nothing, their density not. Whole shapes may have any
+/// scale, patches are looked for at scales from 0.5 to 2. Mirror images are different shapes. Fewer than 50
+/// points on a side: NoFit. Not finite: throws InputError. Equal arguments, equal result on one machine;
+/// other machines and compilers may differ in the last digits, so that whoever keeps a log records the
+/// outcome (DESIGN invariant 5). One thread.
 ///
 /// Not promised: that the motion is right where `after` is another shape than `before` all over; that a rival
 /// which the search did not try is noticed. retarget/README.md has the measured errors and costs.
-[[nodiscard]] Alignment alignSurfels(std::span<const OrientedPoint> before, std::span<const OrientedPoint> after,
+[[nodiscard]] Alignment alignSurfels(std::span<const OrientedPoint> before,
+                                     std::span<const OrientedPoint> after,
                                      const AlignmentOptions& options = {});
 
 }  // namespace restroke::retarget

@@ -86,7 +86,8 @@ struct CasterInput {
 };
 
 /// A caster for the prefix of the model. Cost: `exact`, `fixed`, `mapped`, `surface`, `aligned` none; `depth`
-/// draws the shape once, `embree` builds a scene of the prefix's surfels, `nearest` a tree of them.
+/// draws the shape once, `embree` builds a scene of the prefix's surfels, `nearest` a tree of them, and
+/// `surface` that tree at the first place that needs it.
 [[nodiscard]] std::unique_ptr<Caster> makeCaster(Method method, const CasterInput& input);
 /// The same for a method that only casts.
 [[nodiscard]] std::unique_ptr<Caster> makeCaster(Method method, const points::SurfelModel& model,

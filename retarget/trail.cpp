@@ -27,19 +27,16 @@ std::optional<TrailPoint> Trail::at(double along) const {
 
 std::optional<SurfaceHit> TrailRecorder::cast(const StrokePlace& place) {
   const std::optional<SurfaceHit> hit = caster_.cast(place);
-  trail_.points.push_back({place, hit});
+  points_.try_emplace(place.along, TrailPoint{place, hit});
   return hit;
 }
 
 Trail TrailRecorder::take() {
-  const auto along = [](const TrailPoint& p) { return p.place.along; };
-  std::stable_sort(trail_.points.begin(), trail_.points.end(),
-                   [&](const TrailPoint& a, const TrailPoint& b) { return along(a) < along(b); });
-  trail_.points.erase(
-      std::unique(trail_.points.begin(), trail_.points.end(),
-                  [&](const TrailPoint& a, const TrailPoint& b) { return along(a) == along(b); }),
-      trail_.points.end());
-  return std::exchange(trail_, {});
+  Trail trail;
+  trail.points.reserve(points_.size());
+  for (auto& [along, point] : points_) trail.points.push_back(std::move(point));
+  points_.clear();
+  return trail;
 }
 
 std::optional<SurfaceHit> TrailCaster::cast(const StrokePlace& place) {

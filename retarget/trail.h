@@ -2,6 +2,7 @@
 // The output stroke (SPEC S7, steps 3 to 5): where a stroke met the surface, in object and screen space.
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -56,7 +57,7 @@ class TrailRecorder final : public Caster {
 
  private:
   Caster& caster_;
-  Trail trail_;
+  std::map<double, TrailPoint> points_;  // by place
 };
 
 /// Where primitives are now.

@@ -149,13 +149,14 @@ CommandReport Document::addFixed(const FixedCommand& fixed) {
   report.primitivesAdded = fixed.size();
   report.pieces = fixed.size() == 0 ? 0 : 1;
   report.node = history_.add(fixed, {.stamps = static_cast<std::uint32_t>(fixed.size()), .misses = 0});
-  placed_.push_back({report.node, static_cast<std::uint32_t>(fixed.size())});
+  placed_.push_back({.node = report.node, .count = static_cast<std::uint32_t>(fixed.size())});
   return report;
 }
 
 void Document::place(NodeId node, std::size_t primitives, AppliedStroke& applied) {
   store(node, applied);
-  placed_.push_back({node, static_cast<std::uint32_t>(primitives), std::move(applied.reads)});
+  placed_.push_back({.node = node, .count = static_cast<std::uint32_t>(primitives)});
+  placed_.back().setReads(std::move(applied.reads));
 }
 
 void Document::store(NodeId node, const AppliedStroke& applied) {
@@ -241,7 +242,7 @@ void Document::redoStep(const Consequences& recorded, CommandReport& report) {
       appendStamps(stamps);
       report.primitivesAdded = stamps.size();
       report.pieces = stamps.empty() ? 0 : 1;
-      placed_.push_back({report.node, static_cast<std::uint32_t>(stamps.size())});
+      placed_.push_back({.node = report.node, .count = static_cast<std::uint32_t>(stamps.size())});
     }
     history_.setResult(report.node, {.stamps = static_cast<std::uint32_t>(report.primitivesAdded),
                                      .misses = static_cast<std::uint32_t>(report.misses)});

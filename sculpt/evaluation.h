@@ -21,6 +21,11 @@ struct PlacedNode {
   NodeId node = kRootNode;
   std::uint32_t count = 0;                  ///< primitives
   std::unique_ptr<StrokeReads> reads = {};  ///< null for fixed stamps
+  Box readBounds = {};                      ///< the reads' bounds, at hand when many nodes are looked through
+  void setReads(std::unique_ptr<StrokeReads> made) {
+    reads = std::move(made);
+    readBounds = reads->bounds();
+  }
 };
 
 /// The state that a stroke is applied to.

@@ -161,7 +161,7 @@ void Document::insertNode(Walk& walk, NodeId node) {
     if (!applied.note.empty()) walk.report.notes.push_back(noteOf(node, applied));
     primitives = primitivesOf(applied.outcome, stroke->brush);
     misses = applied.outcome.misses;
-    placed.reads = std::move(applied.reads);
+    placed.setReads(std::move(applied.reads));
   } else {
     primitives = primitivesOf(std::get<FixedCommand>(command));
   }
@@ -193,7 +193,7 @@ void Document::recast(Walk& walk, PlacedNode& placed) {
   if (!applied.note.empty()) walk.report.notes.push_back(noteOf(node, applied));
   ++walk.report.retargeted;
   walk.report.misses += applied.outcome.misses;
-  placed.reads = std::move(applied.reads);
+  placed.setReads(std::move(applied.reads));
   if (replacePrimitives(walk, placed, primitivesOf(applied.outcome, stroke.brush))) ++walk.report.changed;
   history_.setResult(node,
                      {.stamps = placed.count, .misses = static_cast<std::uint32_t>(applied.outcome.misses)});
@@ -249,7 +249,7 @@ points::SurfelModel Document::replayedFromScratch() const {
       primitives = primitivesOf(std::get<FixedCommand>(command));
     }
     model.append(primitives, execution_);
-    placed.push_back({node, static_cast<std::uint32_t>(primitives.size())});
+    placed.push_back({.node = node, .count = static_cast<std::uint32_t>(primitives.size())});
   }
   return model;
 }

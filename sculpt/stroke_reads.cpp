@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace restroke::sculpt {
@@ -43,7 +44,38 @@ void ChangedPlaces::add(const implicit::Sphere& ball) {
   balls_.push_back(ball);
 }
 
+bool ChangedPlaces::mayMeet(const Box& box) const {
+  if (balls_.empty()) return false;
+  // Distance from the box to the centre, axis by axis. Infinite bounds give 0.
+  double square = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto c = static_cast<double>(around_.center[i]);
+    const double out =
+        std::max({0.0, static_cast<double>(box.min[i]) - c, c - static_cast<double>(box.max[i])});
+    square += out * out;
+  }
+  const double radius =
+      static_cast<double>(around_.radius) * (1 + kRounding) + largest(DVec3(around_.center)) * kRounding;
+  return square <= radius * radius;
+}
+
+StrokeReads StrokeReads::ofEverything() {
+  StrokeReads reads;
+  reads.everything_ = true;
+  constexpr float kEverywhere = std::numeric_limits<float>::infinity();
+  reads.bounds_ = {Point(-kEverywhere), Point(kEverywhere)};
+  return reads;
+}
+
 void StrokeReads::finish() {
+  for (const ReadCast& cast : casts_) bounds_.add({cast.end, cast.end});
+  if (!casts_.empty()) {
+    bounds_.add({Point(apex_), Point(apex_)});
+    const DVec3 corner(std::max(largest(DVec3(bounds_.min)), largest(DVec3(bounds_.max))));
+    const Point slack(corner * kRounding);
+    bounds_.min -= slack;
+    bounds_.max += slack;
+  }
   std::stable_sort(casts_.begin(), casts_.end(),
                    [](const ReadCast& a, const ReadCast& b) { return a.place.along < b.place.along; });
   casts_.shrink_to_fit();
@@ -136,7 +168,7 @@ std::optional<retarget::SurfaceHit> ReadingCaster::cast(const retarget::StrokePl
 }
 
 StrokeReads ReadingCaster::take() {
-  if (reads_.everything_) reads_.casts_.clear();
+  if (reads_.everything_) return std::exchange(reads_, {}), StrokeReads::ofEverything();
   reads_.finish();
   return std::exchange(reads_, {});
 }

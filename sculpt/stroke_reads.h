@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "implicit/geometry/box.h"
 #include "implicit/shapes/sphere.h"
 #include "retarget/method.h"
 
@@ -21,6 +22,8 @@ class ChangedPlaces {
   [[nodiscard]] std::span<const implicit::Sphere> balls() const { return balls_; }
   /// Holds all balls, not tightly.
   [[nodiscard]] const implicit::Sphere& around() const { return around_; }
+  /// False only when none of the balls meets the box.
+  [[nodiscard]] bool mayMeet(const Box& box) const;
 
  private:
   std::vector<implicit::Sphere> balls_;
@@ -40,13 +43,11 @@ struct ReadCast {
 /// All casts of one stroke. 52 bytes each.
 class StrokeReads {
  public:
-  [[nodiscard]] static StrokeReads ofEverything() {
-    StrokeReads reads;
-    reads.everything_ = true;
-    return reads;
-  }
+  [[nodiscard]] static StrokeReads ofEverything();
   /// Anything of the shape may have been read.
   [[nodiscard]] bool everything() const { return everything_; }
+  /// A box that holds all that was read; unbounded where that is everything, empty where it is nothing.
+  [[nodiscard]] const Box& bounds() const { return bounds_; }
   /// Marks the casts that read where something has changed; false when there are none. O(balls) where the
   /// stroke is far from all of them, else O(casts * balls).
   [[nodiscard]] bool touchedBy(std::span<const ChangedPlaces> changes);
@@ -57,6 +58,7 @@ class StrokeReads {
   void finish();
 
   bool everything_ = false;
+  Box bounds_;
   DVec3 apex_{0};                 // where all rays begin
   DVec3 axis_{0, 0, 1};           // of a cone about all rays
   double cosine_ = 1, sine_ = 0;  // of the cone's half angle

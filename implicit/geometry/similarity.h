@@ -11,8 +11,8 @@ namespace restroke {
 /// A unit quaternion x, y, z, w (implicit::Pose has the same order). Whoever fills it keeps it of length 1.
 using Rotation = std::array<double, 4>;
 
-/// The motion p -> scale * (p turned by `rotation`) + translation. Everything is computed in double from + - *
-/// / and sqrt in a fixed order. The default is the identity, which changes no bit of what it is applied to.
+/// The motion p -> scale * (p turned by `rotation`) + translation. Everything is computed in double from + -
+/// * / and sqrt in a fixed order. The default is the identity, which changes no bit of what it is applied to.
 struct Similarity {
   Rotation rotation{0, 0, 0, 1};
   double scale = 1;      ///< > 0
@@ -54,7 +54,8 @@ struct Similarity {
 
 /// The motion that first does `inner`, then `outer`.
 [[nodiscard]] inline Similarity composed(const Similarity& outer, const Similarity& inner) {
-  return {composed(outer.rotation, inner.rotation), outer.scale * inner.scale, moved(outer, inner.translation)};
+  return {composed(outer.rotation, inner.rotation), outer.scale * inner.scale,
+          moved(outer, inner.translation)};
 }
 
 [[nodiscard]] inline Similarity inverted(const Similarity& m) {
@@ -63,10 +64,10 @@ struct Similarity {
   return {back, scale, -scale * turned(back, m.translation)};
 }
 
-/// The camera that sees the moved shape as `camera` sees the shape: every point of the model and its image are
-/// drawn at the same screen place, and depths (near and far too) are `scale` times what they were. Each field is
-/// rounded once to float32; view and up keep their lengths. Whether the result is within a camera's ranges is
-/// for validate() to say.
+/// The camera that sees the moved shape as `camera` sees the shape: every point of the model and its image
+/// are drawn at the same screen place, and depths (near and far too) are `scale` times what they were. Each
+/// field is rounded once to float32; view and up keep their lengths. Whether the result is within a camera's
+/// ranges is for validate() to say.
 [[nodiscard]] inline Camera moved(const Similarity& m, const Camera& camera) {
   Camera out = camera;
   out.position = Point(moved(m, DVec3(camera.position)));

@@ -27,6 +27,11 @@ class SampleTable {
  public:
   /// Their number is a multiple of kPatch, more than 0. O(n log n).
   explicit SampleTable(std::span<const SurfaceSample> samples);
+  /// Of samples that are compact in the order that they come in; their number as above. O(n).
+  struct Columns {
+    std::vector<float> x, y, z, nx, ny, nz;
+  };
+  explicit SampleTable(Columns samples);
   /// A unit sphere's: positions are normals, and kept once.
   static SampleTable ofDirections(std::span<const Vec3> directions);
 
@@ -47,6 +52,9 @@ class SampleTable {
   SampleTable() = default;
   void arrange(std::span<const Vec3> positions, std::vector<std::uint32_t>& order);
   void makeTree();
+  // Of the positions from `first` up to `last`, multiples of 4.
+  [[nodiscard]] DVec3 meanOf(std::size_t first, std::size_t last) const;
+  [[nodiscard]] float farthestFrom(Point center, std::size_t first, std::size_t last) const;
 
   struct Bounds {
     std::vector<float> x, y, z, radius;

@@ -54,8 +54,8 @@ class ConeFrustum final : public VolumeOf<ConeFrustum> {
   }
 
  protected:
-  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
-    return sampleCharts(charts(), count);
+  [[nodiscard]] SampleTable makeSamples(std::uint32_t count) const override {
+    return SampleTable(sampleCharts(charts(), count));
   }
 
  private:

@@ -117,8 +117,8 @@ class ConvexPolyhedron final : public VolumeOf<ConvexPolyhedron> {
   }
 
  protected:
-  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
-    return samplePoisson(triangles_, count);
+  [[nodiscard]] SampleTable makeSamples(std::uint32_t count) const override {
+    return SampleTable(samplePoisson(triangles_, count));
   }
   [[nodiscard]] std::size_t ownBytes() const override {
     return planes_.capacity() * sizeof(Plane) + corners_.capacity() * sizeof(DVec3) +

@@ -51,8 +51,8 @@ class Ellipsoid final : public VolumeOf<Ellipsoid> {
   [[nodiscard]] double support(DVec3 direction) const override { return length(axes_ * direction); }
 
  protected:
-  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
-    return sampleCharts(charts(), count);
+  [[nodiscard]] SampleTable makeSamples(std::uint32_t count) const override {
+    return SampleTable(sampleCharts(charts(), count));
   }
 
  private:

@@ -90,6 +90,7 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
                  .area = area,
                  .volume = restroke::volumeOf(mesh_),
                  .thickness = static_cast<double>(std::min({size.x, size.y, size.z}))});
+    makeColumns();
     makeGrid();
   }
 
@@ -102,7 +103,7 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
   }
   [[nodiscard]] double clearance(DVec3 p) const override {
     const double known = knownClearance(p);
-    if (known != 0) return known;
+    if (std::fabs(known) > 3 * cell_) return known;  // nearer, half a cell more or less matters
     const double distance = std::sqrt(nearest(p, std::numeric_limits<double>::max()).squared);
     return encloses(p) ? -distance : distance;
   }
@@ -140,16 +141,17 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
   }
 
  protected:
-  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
+  [[nodiscard]] SampleTable makeSamples(std::uint32_t count) const override {
     const std::vector<std::uint32_t> regions = smoothRegions();
     std::vector<SurfaceTriangle> triangles;
     triangles.reserve(mesh_.triangles.size());
     for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
       triangles.push_back({corner(t, 0), corner(t, 1), corner(t, 2), normals_[t], regions[t]});
-    return samplePoisson(triangles, count);
+    return SampleTable(samplePoisson(triangles, count));
   }
   [[nodiscard]] std::size_t ownBytes() const override {
-    return distances_.capacity() * sizeof(float) + normals_.capacity() * sizeof(DVec3) +
+    return (distances_.capacity() + firstInColumn_.capacity() + inColumns_.capacity()) * sizeof(float) +
+           normals_.capacity() * sizeof(DVec3) +
            mesh_.triangles.size() * (sizeof(Box) + sizeof(std::uint32_t)) +
            tree_.nodes().size() * (sizeof(TriangleTree::Node) + sizeof(std::uint32_t));
   }
@@ -178,7 +180,7 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
     int cell[3];
     double outside = 0;  // squared distance from the grid's box, which holds the mesh
     for (int a = 0; a < 3; ++a) {
-      const double at = (p[a] - low_[a]) / cell_;
+      const double at = (p[a] - low_[a]) * cellsPerUnit_;
       const double beyond = std::max({low_[a] - p[a], p[a] - (low_[a] + cells_[a] * cell_), 0.0});
       outside += beyond * beyond;
       cell[a] = static_cast<int>(std::clamp(at, 0.0, static_cast<double>(cells_[a] - 1)));
@@ -189,21 +191,60 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
     return known > 0 ? std::max(known - way, 0.0) : std::min(known + way, 0.0);
   }
   [[nodiscard]] bool encloses(DVec3 p) const {
-    // A box of float32 about the ray: widened by what p's rounding takes.
-    const auto wide = [](double a, float way) {
-      const auto f = static_cast<float>(a);
-      return std::nextafter(f, way * std::numeric_limits<float>::infinity());
-    };
-    const Box box{{wide(p.x, -1), wide(p.y, -1), wide(p.z, -1)},
-                  {std::numeric_limits<float>::max(), wide(p.y, 1), wide(p.z, 1)}};
+    const double y = (p.y - columnLow_[0]) * columnsPerUnit_[0],
+                 z = (p.z - columnLow_[1]) * columnsPerUnit_[1];
+    if (!(y >= 0 && y < columns_[0] && z >= 0 && z < columns_[1])) return false;
+    const std::size_t column =
+        static_cast<std::size_t>(z) * static_cast<std::size_t>(columns_[0]) + static_cast<std::size_t>(y);
     int winding = 0;
-    bool on = false;
-    tree_.forEachTouching(box, [&](std::uint32_t t) {
+    for (std::uint32_t k = firstInColumn_[column]; k < firstInColumn_[column + 1]; ++k) {
+      const std::uint32_t t = inColumns_[k];
+      const Box& box = tree_.boxOf(t);
+      if (static_cast<double>(box.max.x) < p.x || static_cast<double>(box.min.y) > p.y ||
+          static_cast<double>(box.max.y) < p.y || static_cast<double>(box.min.z) > p.z ||
+          static_cast<double>(box.max.z) < p.z)
+        continue;
       const Triangle triangle = triangleAt(t);
       winding += crossingOf(triangle, p);
-      on = on || (static_cast<double>(tree_.boxOf(t).min.x) <= p.x && isOn(triangle, p));
-    });
-    return winding != 0 || on;
+      if (static_cast<double>(box.min.x) <= p.x && isOn(triangle, p)) return true;
+    }
+    return winding != 0;
+  }
+  // Which triangles a ray towards +x may meet, by the square of y and z that it starts in. Rounding is
+  // monotone, so that a triangle is listed wherever a point in its box is looked up.
+  void makeColumns() {
+    const Vec3 size = bounds_.max - bounds_.min;
+    const double longest = static_cast<double>(std::max(size.y, size.z));
+    const double along = std::clamp(std::sqrt(static_cast<double>(mesh_.triangles.size())), 16.0, 1024.0);
+    for (int a = 0; a < 2; ++a) {
+      columnLow_[a] = static_cast<double>(bounds_.min[a + 1]);
+      columnsPerUnit_[a] = along / longest;
+      columns_[a] = static_cast<int>(static_cast<double>(size[a + 1]) * columnsPerUnit_[a] * (1 + 1e-6)) + 1;
+    }
+    firstInColumn_.assign(static_cast<std::size_t>(columns_[0]) * static_cast<std::size_t>(columns_[1]) + 1,
+                          0);
+    const auto forColumns = [&](std::uint32_t t, const auto& f) {
+      int lo[2], hi[2];
+      for (int a = 0; a < 2; ++a) {
+        const auto columnOf = [&](float v) {
+          return static_cast<int>((static_cast<double>(v) - columnLow_[a]) * columnsPerUnit_[a]);
+        };
+        lo[a] = columnOf(tree_.boxOf(t).min[a + 1]);
+        hi[a] = columnOf(tree_.boxOf(t).max[a + 1]);
+      }
+      for (int z = lo[1]; z <= hi[1]; ++z)
+        for (int y = lo[0]; y <= hi[0]; ++y)
+          f(static_cast<std::size_t>(z) * static_cast<std::size_t>(columns_[0]) +
+            static_cast<std::size_t>(y));
+    };
+    const auto count = static_cast<std::uint32_t>(mesh_.triangles.size());
+    for (std::uint32_t t = 0; t < count; ++t)
+      forColumns(t, [&](std::size_t column) { ++firstInColumn_[column + 1]; });
+    std::partial_sum(firstInColumn_.begin(), firstInColumn_.end(), firstInColumn_.begin());
+    inColumns_.resize(firstInColumn_.back());
+    std::vector<std::uint32_t> next(firstInColumn_.begin(), firstInColumn_.end() - 1);
+    for (std::uint32_t t = 0; t < count; ++t)
+      forColumns(t, [&](std::size_t column) { inColumns_[next[column]++] = t; });
   }
 
   struct Nearest {
@@ -349,6 +390,7 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
     const int along = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(mesh_.triangles.size()))),
                                  kLeastCells, kMostCells);
     cell_ = longest / along * 1.000001;
+    cellsPerUnit_ = 1 / cell_;
     low_ = DVec3(bounds_.min) - DVec3(longest * 2e-7);
     for (int a = 0; a < 3; ++a) cells_[a] = std::max(1, static_cast<int>(size[a] / cell_) + 1);
     distances_.resize(static_cast<std::size_t>(cells_[0]) * static_cast<std::size_t>(cells_[1]) *
@@ -368,10 +410,14 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
   TriangleTree tree_;
   Box bounds_;
   std::vector<DVec3> normals_;
+  // Squares of y and z, row by row: the triangles above each.
+  double columnLow_[2] = {0, 0}, columnsPerUnit_[2] = {1, 1};
+  int columns_[2] = {1, 1};
+  std::vector<std::uint32_t> firstInColumn_, inColumns_;
   // Signed distances from the middles of cells to the surface.
   std::vector<float> distances_;
   DVec3 low_{0};
-  double cell_ = 1;
+  double cell_ = 1, cellsPerUnit_ = 1;
   int cells_[3] = {1, 1, 1};
 };
 

@@ -84,7 +84,7 @@ class Revolution final : public VolumeOf<Revolution> {
     const Known known = knownAt(rho, p.z);
     if (known.cell == kFar) return known.clearance < 0;
     if (encloses(rho, p.z)) return true;
-    return dilation > 0 && distanceAt(rho, p.z, known.cell) <= dilation;
+    return dilation > 0 && isWithin(dilation, {rho, p.z}, known.cell);
   }
   [[nodiscard]] double clearance(DVec3 p) const override {
     const double rho = std::sqrt(p.x * p.x + p.y * p.y);
@@ -126,9 +126,9 @@ class Revolution final : public VolumeOf<Revolution> {
   }
 
  protected:
-  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
+  [[nodiscard]] SampleTable makeSamples(std::uint32_t count) const override {
     const Chart whole = chart();
-    return sampleCharts({&whole, 1}, count);
+    return SampleTable(sampleCharts({&whole, 1}, count));
   }
   [[nodiscard]] std::size_t ownBytes() const override {
     std::size_t bytes = rows_.capacity() * sizeof(rows_.front());
@@ -141,6 +141,9 @@ class Revolution final : public VolumeOf<Revolution> {
   struct Place {
     std::size_t span = 0;
     double t = 0;
+  };
+  struct HalfPlanePoint {
+    double rho, z;
   };
 
   // The spline's spans as polynomials, by its blossom (Ramshaw, "Blossoms are polar forms", CAGD 6, 1989),
@@ -374,9 +377,14 @@ class Revolution final : public VolumeOf<Revolution> {
   [[nodiscard]] double distanceAt(double rho, double z, std::size_t cell) const {
     return nearest({rho, z}, nearby(cell), nullptr);
   }
-  struct HalfPlanePoint {
-    double rho, z;
-  };
+  // Whether distanceAt is at most a distance that is small beside the stretches: few of them come near.
+  [[nodiscard]] bool isWithin(double distance, HalfPlanePoint p, std::size_t cell) const {
+    const double reach = distance * distance * (1 + 1e-6);
+    for (const std::uint32_t i : nearby(cell))
+      if (stretches_[i].boxDistanceSquared(p.rho, p.z) <= reach && nearest(p, {&i, 1}, nullptr) <= distance)
+        return true;
+    return false;
+  }
   // Distance to the nearest of the stretches.
   double nearest(HalfPlanePoint p, std::span<const std::uint32_t> among, Place* place) const {
     const auto [rho, z] = p;

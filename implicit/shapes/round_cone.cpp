@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "implicit/errors.h"
-#include "implicit/sampling/charts.h"
+#include "implicit/sampling/rings.h"
 #include "implicit/shapes/kinds.h"
 #include "implicit/shapes/ray_intervals.h"
 
@@ -35,11 +35,14 @@ class RoundCone final : public VolumeOf<RoundCone> {
       return pi * (r * r * (z + r) - (z * z * z + r * r * r) / 3);
     };
     const double r0 = radius0_ * cosine_, r1 = radius1_ * cosine_;
+    areas_[0] = 2 * pi * radius0_ * radius0_ * (1 + sine_);
+    areas_[1] = pi * (r0 + r1) * side_;
+    areas_[2] = 2 * pi * radius1_ * radius1_ * (1 - sine_);
     const double volume = segment(radius0_, radius0_ * sine_) + segment(radius1_, -radius1_ * sine_) +
                           pi / 3 * side_ * cosine_ * (r0 * r0 + r0 * r1 + r1 * r1);
     setMeasures({.center = {0, 0, (top - radius0_) / 2},
                  .radius = (top + radius0_) / 2,
-                 .area = areaOf(charts()),
+                 .area = areas_[0] + areas_[1] + areas_[2],
                  .volume = volume,
                  .thickness = 2 * std::min(radius0_, radius1_)});
   }
@@ -55,9 +58,27 @@ class RoundCone final : public VolumeOf<RoundCone> {
   }
 
  protected:
-  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
-    return sampleCharts(charts(), count);
+  [[nodiscard]] SampleTable makeSamples(std::uint32_t count) const override {
+    const double area = measures().area, r0 = radius0_ * cosine_, r1 = radius1_ * cosine_;
+    const double z0 = radius0_ * sine_, rise = length_ + radius1_ * sine_ - z0;
+    const double perSide = (r1 * r1 - r0 * r0) / areas_[1], perWidth = r0 == r1 ? 0 : 1 / (r1 - r0);
+    // A ball's height is its area (Archimedes); on the side the square of the radius grows with the area.
+    const auto ball = [](double radius, double center, double z) {
+      const double rho = std::sqrt(std::max(0.0, 1 - z * z));
+      return ProfilePoint{radius * rho, center + radius * z, rho, z};
+    };
+    return sampleRings(area, count, [=, this](double below) {
+      if (below < areas_[0]) return ball(radius0_, 0, below * (1 + sine_) / areas_[0] - 1);
+      below -= areas_[0];
+      if (below < areas_[1]) {
+        const double r = std::sqrt(r0 * r0 + below * perSide);
+        const double f = r0 == r1 ? below / areas_[1] : (r - r0) * perWidth;
+        return ProfilePoint{r, z0 + f * rise, cosine_, sine_};
+      }
+      return ball(radius1_, length_, std::min(sine_ + (below - areas_[1]) * (1 - sine_) / areas_[2], 1.0));
+    });
   }
+  [[nodiscard]] bool makesSamplesQuickly() const override { return true; }
 
  private:
   [[nodiscard]] ValueAndGradient valueAt(DVec3 p) const {
@@ -72,31 +93,10 @@ class RoundCone final : public VolumeOf<RoundCone> {
     const double l = length(d);
     return {l - (along <= 0 ? radius0_ : radius1_), l > 0 ? d / l : DVec3(1, 0, 0)};
   }
-  [[nodiscard]] std::vector<Chart> charts() const {
-    const double twoPi = 6.283185307179586;
-    // A ball's zone from height z0 to z1, in units of its radius: height is area (Archimedes).
-    const auto zone = [twoPi](double radius, double center, double z0, double z1) {
-      return revolvedUniformly(twoPi * radius * radius * (z1 - z0), [=](double s) {
-        const double z = z0 + s * (z1 - z0), rho = std::sqrt(std::max(0.0, 1 - z * z));
-        return ProfilePoint{radius * rho, center + radius * z, rho, z};
-      });
-    };
-    const double r0 = radius0_ * cosine_, r1 = radius1_ * cosine_;
-    const double z0 = radius0_ * sine_, z1 = length_ + radius1_ * sine_;
-    return {zone(radius0_, 0, -1, sine_),
-            revolvedUniformly(twoPi / 2 * (r0 + r1) * side_,
-                              [=, cosine = cosine_, sine = sine_](double s) {
-                                // The square of the radius grows evenly with the area.
-                                const double r = std::sqrt(r0 * r0 + s * (r1 * r1 - r0 * r0));
-                                const double f = r0 == r1 ? s : (r - r0) / (r1 - r0);
-                                return ProfilePoint{r, z0 + f * (z1 - z0), cosine, sine};
-                              }),
-            zone(radius1_, length_, sine_, 1)};
-  }
-
   double radius0_, radius1_, length_;
   double sine_, cosine_;  // of the side's slope against the axis: the normal's height and radius
   double side_;           // length of the side
+  double areas_[3];       // of the lower ball's zone, the side, the upper ball's zone
 };
 
 }  // namespace

@@ -57,6 +57,10 @@ class Superellipsoid final : public VolumeOf<Superellipsoid> {
     const double total = totalAt(q);
     if (total <= 1) return true;
     if (dilation == 0) return false;
+    // The gradient is at most 1, so that the norm is at most 1 + d where the next test says yes, and the
+    // total at most (1 + d)^up <= e^(up d).
+    const double far = up_ * dilation / inner_;
+    if (far < 1 && total > 1 + far * (1 + far) * (1 + 1e-6) + 1e-9) return false;
     const ValueAndGradient at = valueAt(p);
     return at.value <= dilation * length(at.gradient);
   }
@@ -85,8 +89,8 @@ class Superellipsoid final : public VolumeOf<Superellipsoid> {
   }
 
  protected:
-  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
-    return sampleCharts(charts(), count);
+  [[nodiscard]] SampleTable makeSamples(std::uint32_t count) const override {
+    return SampleTable(sampleCharts(charts(), count));
   }
 
  private:

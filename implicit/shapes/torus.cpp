@@ -51,8 +51,8 @@ class Torus final : public VolumeOf<Torus> {
   }
 
  protected:
-  [[nodiscard]] std::vector<SurfaceSample> makeSamples(std::uint32_t count) const override {
-    return sampleCharts(charts(), count);
+  [[nodiscard]] SampleTable makeSamples(std::uint32_t count) const override {
+    return SampleTable(sampleCharts(charts(), count));
   }
 
  private:

@@ -14,7 +14,16 @@ namespace restroke::implicit {
 /// Points are handled in patches of this many.
 inline constexpr std::size_t kPatch = 16;
 
-class PosedVolume;
+/// Where the cells of a volume's grid (clearance_grid.h) lie in the model, and what is known of them. Every
+/// PosedVolume is one.
+struct GriddedVolume {
+  const std::int8_t* const* cells;  ///< null there: nothing is known yet. To be read atomically
+  bool sure;                        ///< float32 is precise enough to look a point up
+  float origin[3];                  ///< of the volume's frame
+  float toCells[9], shift[3];       ///< from there to cells: rows, and what is added
+  float last[3];                    ///< cells are looked up within 0 and this
+  float row, layer;                 ///< cells from one row, and from one layer, to the next
+};
 
 /// Balls as arrays, padded to a multiple of kPatch with balls that nothing meets (x = kNowhere). Ordered by
 /// list position.
@@ -25,11 +34,11 @@ struct BallArrays {
   const float* r2;     ///< squared radius: the exact side test
   const float*
       r2Drop;  ///< squared radius of the ball that drops older samples, boundary and rounding included
-  const PosedVolume* const* volume;  ///< null for a sphere; else what the ball is around, and r2 and r2Drop
-                                     ///< mean nothing
-  bool anyVolume;                    ///< is `volume` anywhere not null?
-  const std::uint8_t* positive;      ///< 1 adds, 0 carves
-  std::uint32_t count;               ///< without the padding
+  const GriddedVolume* const* volume;  ///< null for a sphere; else what the ball is around, and r2 and r2Drop
+                                       ///< mean nothing
+  bool anyVolume;                      ///< is `volume` anywhere not null?
+  const std::uint8_t* positive;        ///< 1 adds, 0 carves
+  std::uint32_t count;                 ///< without the padding
   std::uint32_t earlier;  ///< the first `earlier` of them stand before the sampled primitive in the list, the
                           ///< rest after it
 };
@@ -68,7 +77,7 @@ struct SampledShape {
 /// The primitive that drops older samples, boundary and rounding included.
 struct DropBall {
   float x, y, z, reach, r2Drop;
-  const PosedVolume* volume;  ///< null for a sphere
+  const GriddedVolume* volume;  ///< null for a sphere
 };
 
 /// Bounding sphere of a node of the shape's tree, widened by the margin. Static: each file has its own, since
@@ -97,8 +106,10 @@ struct PointGroup {
 };
 
 /// Those of the points that are in the volume or on its boundary; when dropping, also those just outside that
-/// rounding may have moved there. The same bits at every instruction set: it is compiled once.
-[[nodiscard]] std::uint32_t lanesInVolume(const PosedVolume& volume, const PointGroup& group, bool dropping);
+/// rounding may have moved there. The same bits at every instruction set: it is compiled once. The volume
+/// must be a PosedVolume.
+[[nodiscard]] std::uint32_t lanesInVolume(const GriddedVolume& volume, const PointGroup& group,
+                                          bool dropping);
 
 /// The kernels of one instruction set.
 struct BallKernels {

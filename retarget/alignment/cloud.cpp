@@ -28,8 +28,8 @@ class Random {
 
 using Order = std::vector<std::uint32_t>;
 
-/// Moves to the front of `order` the first point of each cell of a grid, with cells of such a size that there are
-/// at most about `limit` of them, and returns their number. Both parts keep their order.
+/// Moves to the front of `order` the first point of each cell of a grid, with cells of such a size that there
+/// are at most about `limit` of them, and returns their number. Both parts keep their order.
 std::size_t spreadFirst(std::span<const OrientedPoint> points, Order& order, std::size_t limit) {
   if (order.size() <= limit) return order.size();
   Box box;

@@ -1,8 +1,8 @@
-// Point-to-plane registration after Chen and Medioni, Object modelling by registration of multiple range images
-// (1992), with the normal of a match half way between those of its two points, after Rusinkiewicz, A symmetric
-// objective function for ICP (2019): the distance is then zero whenever both lie on one arc of any curvature,
-// so that two independent samplings of a curved surface do not pull the motion to one side. Ours has a scale,
-// too.
+// Point-to-plane registration after Chen and Medioni, Object modelling by registration of multiple range
+// images (1992), with the normal of a match half way between those of its two points, after Rusinkiewicz, A
+// symmetric objective function for ICP (2019): the distance is then zero whenever both lie on one arc of any
+// curvature, so that two independent samplings of a curved surface do not pull the motion to one side. Ours
+// has a scale, too.
 //
 // Solved with ceres::TinySolver, which lives in headers alone: libceres is not linked (README, Licence).
 
@@ -32,9 +32,10 @@ struct Residuals {
     // Cayley's formula: rows of the rotation, scaled.
     const T aa = a * a, bb = b * b, cc = c * c;
     const T factor = exp(unknowns[3]) / (1.0 + aa + bb + cc);
-    const T m[9] = {factor * (1.0 + aa - bb - cc), factor * 2.0 * (a * b - c), factor * 2.0 * (a * c + b),
-                    factor * 2.0 * (a * b + c), factor * (1.0 - aa + bb - cc), factor * 2.0 * (b * c - a),
-                    factor * 2.0 * (a * c - b), factor * 2.0 * (b * c + a), factor * (1.0 - aa - bb + cc)};
+    const T m[9] = {
+        factor * (1.0 + aa - bb - cc), factor * 2.0 * (a * b - c),    factor * 2.0 * (a * c + b),
+        factor * 2.0 * (a * b + c),    factor * (1.0 - aa + bb - cc), factor * 2.0 * (b * c - a),
+        factor * 2.0 * (a * c - b),    factor * 2.0 * (b * c + a),    factor * (1.0 - aa - bb + cc)};
     const double inverse = 1.0 / frame.radius;
     for (std::size_t k = 0; k < matches.size(); ++k) {
       const Match& match = matches[k];
@@ -67,8 +68,7 @@ Similarity fittingStep(std::span<const Match> matches, const StepFrame& frame, i
   step.scale = std::exp(u[3]);
   // center + radius * (scale R (p - center) / radius + shift)
   const DVec3 shift(u[4], u[5], u[6]);
-  step.translation =
-      frame.center + frame.radius * shift - step.scale * turned(step.rotation, frame.center);
+  step.translation = frame.center + frame.radius * shift - step.scale * turned(step.rotation, frame.center);
   return step;
 }
 

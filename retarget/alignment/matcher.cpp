@@ -6,10 +6,11 @@ namespace restroke::retarget::alignment {
 
 namespace {
 
-/// Opposite normals are as far apart as this many RMS radii: in a search from afar, direction counts as much as
-/// place; near the end it only keeps the two sides of a thin wall apart.
+/// Opposite normals are as far apart as this many RMS radii: in a search from afar, direction counts as much
+/// as place; near the end it only keeps the two sides of a thin wall apart.
 constexpr double kNormalWeight = 0.3;
 constexpr float kCoarseSlack = 0.5f;
+constexpr double kRoughReach = 0.15;  // in RMS radii
 constexpr double kLeastCosine = 0.5;
 
 /// Tukey's loss ends at this many (robust) standard deviations, and never under the resolution that the last
@@ -39,8 +40,8 @@ void weighRobustly(std::vector<Match>& matches, double radius) {
 Matcher::Matcher(const Cloud& before, const Cloud& after, AlignmentMode mode)
     : before_(before),
       after_(after),
-      nearestAfter_(
-          treesOf(after, kNormalWeight * (mode == AlignmentMode::Whole ? 1.0 : before.radius / after.radius))) {
+      nearestAfter_(treesOf(
+          after, kNormalWeight * (mode == AlignmentMode::Whole ? 1.0 : before.radius / after.radius))) {
   if (mode == AlignmentMode::Whole) nearestBefore_.emplace(treesOf(before, kNormalWeight));
 }
 
@@ -62,8 +63,9 @@ void Matcher::match(const Similarity& motion, const Effort& effort, std::vector<
   const auto add = [&](const Sample& from, const Sample& to) {
     const double cosine = dot(from.normal, to.normal);
     const DVec3 between = from.normal + to.normal;
-    matches.push_back({from.position, to.position, cosine > kLeastCosine ? normalized(between) : DVec3(0),
-                       cosine > kLeastCosine ? 1.0 : 0.0});
+    const bool agrees = cosine > kLeastCosine;
+    matches.push_back(
+        {from.position, to.position, agrees ? normalized(between) : DVec3(0), cosine, agrees ? 1.0 : 0.0});
   };
   const auto image = [&](const Sample& s) {
     return Sample{moved(motion, s.position), turned(motion.rotation, s.normal)};
@@ -123,8 +125,10 @@ double Matcher::roughScore(const Similarity& motion, const Effort& effort) const
       sum += 1;
       continue;
     }
+    // Along the normals, and a little across: how far the nearest sample is across depends on the sampling.
     const DVec3 d = (m.from - m.to) / motion.scale;
-    sum += std::fmin(1.0, dot(d, d) / 0.04);
+    const double along = dot(d, m.normal);
+    sum += std::fmin(1.0, along * along / (kRoughReach * kRoughReach) + dot(d, d) + 1 - m.cosine);
   }
   return sum / static_cast<double>(matches.size());
 }

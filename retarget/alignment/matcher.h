@@ -1,5 +1,6 @@
 #pragma once
-// Iterated closest points: improves a motion, and says how good it is. Motions are in the clouds' coordinates.
+// Iterated closest points: improves a motion, and says how good it is. Motions are in the clouds'
+// coordinates.
 
 #include <array>
 #include <cstdint>

@@ -23,8 +23,8 @@ class NearestSamples {
     std::vector<std::size_t> index;
     std::vector<float> squaredDistance;
   };
-  /// A sample for each query that is at most 1 + slack times as far as the nearest. O(log samples) each where samples are
-  /// near.
+  /// A sample for each query that is at most 1 + slack times as far as the nearest. O(log samples) each where
+  /// samples are near.
   void find(std::span<const Sample> queries, float slack, Answer& answer) const;
 
  private:

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "retarget/alignment/nearest.h"
+#include "implicit/geometry/det_math.h"
 
 namespace restroke::retarget::alignment {
 
@@ -78,6 +78,17 @@ Mean meanWithin(std::span<const Sample> samples, DVec3 center, double radius) {
 constexpr std::size_t kPlaces = 250;  // about a patch's radius / 3 apart, for a patch of a third of the shape
 constexpr double kScales[] = {1, 0.7, 1.4, 0.5, 2};
 constexpr int kTurns = 12;
+/// A ball of this part of the patch's reach from its middle holds no border of it.
+constexpr double kCore = 0.6;
+
+std::vector<Rotation> turnsAboutZ() {
+  std::vector<Rotation> turns;
+  for (int k = 0; k < kTurns; ++k) {
+    const double half = kPi * k / kTurns;
+    turns.push_back({0, 0, std::sin(half), std::cos(half)});
+  }
+  return turns;
+}
 
 }  // namespace
 
@@ -88,8 +99,13 @@ Similarity identityBetween(const Cloud& before, const Cloud& after) {
 std::vector<Similarity> wholeStarts(const Cloud& before, const Cloud& after) {
   std::vector<Similarity> starts{identityBetween(before, after)};
   const Rotation fromAxes = inverted(principalAxes(before)), toAxes = principalAxes(after);
+  // A sixth of a turn about each diagonal: what lies in the middle between rotations of the cube.
+  std::vector<Rotation> offsets{{0, 0, 0, 1}};
+  const double third = std::sqrt(1.0 / 3);
+  for (const DVec3 signs : {DVec3(1, 1, 1), DVec3(-1, 1, 1), DVec3(1, -1, 1), DVec3(1, 1, -1)})
+    offsets.push_back(rotationAbout(third * signs, third));
   for (const Rotation& q : cubeRotations()) {
-    starts.push_back({q, 1, DVec3(0)});
+    for (const Rotation& offset : offsets) starts.push_back({composed(offset, q), 1, DVec3(0)});
     starts.push_back({composed(toAxes, composed(q, fromAxes)), 1, DVec3(0)});
   }
   return starts;
@@ -97,24 +113,28 @@ std::vector<Similarity> wholeStarts(const Cloud& before, const Cloud& after) {
 
 std::vector<Similarity> patchStarts(const Cloud& patch, const Cloud& after) {
   std::vector<Similarity> starts{identityBetween(patch, after)};
-  double reach = 0;  // of the patch, in its RMS radii
-  for (const Sample& s : patch.samples) reach = std::fmax(reach, length(s.position));
-  const Mean ofPatch = meanWithin(patch.samples, DVec3(0), 2 * reach);
+  // The place that is looked for: where the patch is whole all around.
+  const std::span<const Sample> within(patch.samples.data(), patch.spread);
+  const DVec3 anchor = std::min_element(within.begin(), within.end(), [](const Sample& a, const Sample& b) {
+                         return dot(a.position, a.position) < dot(b.position, b.position);
+                       })->position;
+  double reach = 0;
+  for (const Sample& s : within) reach = std::fmax(reach, length(s.position - anchor));
+  reach *= kCore;
+  const Mean ofPatch = meanWithin(within, anchor, reach);
   const bool isBent = length(ofPatch.normal) < 0.4;
 
-  std::vector<Rotation> turns;  // about z
-  for (int k = 0; k < kTurns; ++k) {
-    const double angle = 2 * 3.14159265358979323846 * k / kTurns;
-    turns.push_back({0, 0, std::sin(angle / 2), std::cos(angle / 2)});
-  }
+  const std::vector<Rotation> turns = turnsAboutZ();
   const std::vector<Rotation> cube = cubeRotations();
   const std::span<const Sample> around(after.samples.data(), after.spread);
-  const std::size_t places = std::min(isBent ? kPlaces / 2 : kPlaces, after.spread);
+  const std::size_t places = std::min(kPlaces, after.spread);
   for (std::size_t place = 0; place < places; ++place)
     for (const double factor : kScales) {
       const double scale = factor * patch.radius / after.radius;
       const Mean there = meanWithin(around, after.samples[place].position, reach * scale);
-      const auto add = [&](const Rotation& q) { starts.push_back({q, scale, there.position}); };
+      const auto add = [&](const Rotation& q) {
+        starts.push_back({q, scale, there.position - scale * turned(q, ofPatch.position)});
+      };
       if (isBent) {
         for (const Rotation& q : cube) add(q);
         continue;
@@ -124,6 +144,22 @@ std::vector<Similarity> patchStarts(const Cloud& patch, const Cloud& after) {
       const Rotation raised = rotationFrom(DVec3(0, 0, 1), normalized(there.normal));
       for (const Rotation& q : turns) add(composed(raised, composed(q, flat)));
     }
+  return starts;
+}
+
+std::vector<Similarity> turnedStarts(const Cloud& before, const Similarity& motion) {
+  std::vector<Similarity> starts;
+  const auto add = [&](const Rotation& frame, const Rotation& q) {
+    const Rotation turn = composed(frame, composed(q, inverted(frame)));
+    starts.push_back(composed(motion, Similarity{turn, 1, DVec3(0)}));
+  };
+  const Rotation axes = principalAxes(before);
+  for (const Rotation& q : cubeRotations()) add(axes, q);
+  const Mean mean = meanWithin(std::span(before.samples.data(), before.spread), DVec3(0), 1e9);
+  if (length(mean.normal) > 0.1) {
+    const Rotation raised = rotationFrom(DVec3(0, 0, 1), normalized(mean.normal));
+    for (const Rotation& q : turnsAboutZ()) add(raised, q);
+  }
   return starts;
 }
 

@@ -8,8 +8,11 @@
 #include <cmath>
 #include <limits>
 
+#include "implicit/clearance_grid.h"
 #include "implicit/errors.h"
+#include "implicit/near_balls.h"
 #include "implicit/shape.h"
+#include "implicit/shapes/kinds.h"
 #include "points/surfel_model.h"
 #include "tests/support/random_volumes.h"
 
@@ -113,6 +116,77 @@ TEST_P(VolumeConformance, S13BatchEqualsScalarOnEveryBit) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(volume.contains({nan, 0, 0}, 0));
     EXPECT_FALSE(volume.contains({0, 0, nan}, 0));
+  });
+}
+
+// What the kernels look up in a grid before they ask the volume is right in every lane, near the surface and
+// beyond the grid.
+TEST_P(VolumeConformance, S13LookingUpCellsChangesNoSideOnAnySimdLevel) {
+  forExamples([](const Volume& example) {
+    Random random(12);
+    const auto volume = example.kind().make(example.parameters());
+    const Shape shape = testing::randomlyPosed(random, volume);
+    ASSERT_EQ(*volume->cells(), nullptr);
+    volume->countAsked(static_cast<std::uint32_t>(kMostGridCells));
+    ASSERT_NE(*volume->cells(), nullptr);
+    const Sphere& ball = shape.ball();
+    PrimitiveList list{ClusterOptions{}};
+    list.insert(0, {shape, Sign::Positive});
+    NearBalls near;
+    near.gather(list, dropBall(shape), std::numeric_limits<PrimitiveList::Label>::max());
+    const SampleTable& samples = samplesOf(shape, 1024);
+    const SampledShape placed = sampled(shape, samples);
+    std::size_t decided = 0, asked = 0;
+    for (int round = 0; round < 200; ++round) {
+      float x[kPatch], y[kPatch], z[kPatch];
+      for (std::size_t i = 0; i < kPatch; ++i) {
+        Point p = ball.center + random.inCube(1.5f * ball.radius);
+        if (round % 2) {
+          const auto k = static_cast<std::uint32_t>(random.below(samples.count()));
+          const PlacedSample s = placedSample(placed, k);
+          p = s.position + random.between(-0.1f, 0.1f) * ball.radius * s.normal;
+        }
+        x[i] = p.x;
+        y[i] = p.y;
+        z[i] = p.z;
+      }
+      const DropBall sphere{ball.center.x, ball.center.y, ball.center.z, 3 * ball.radius, 0, nullptr};
+      for (const SimdLevel level : supportedSimdLevels()) {
+        const std::uint32_t in = ballKernels(level).insideLanes({x, y, z, 0xFFFF, sphere}, near.arrays());
+        for (std::size_t i = 0; i < kPatch; ++i)
+          ASSERT_EQ((in >> i & 1) != 0, contains(shape, {x[i], y[i], z[i]}))
+              << nameOf(level) << " at " << x[i] << ' ' << y[i] << ' ' << z[i];
+      }
+    }
+    // Dropping: a sphere's samples, some of them in it.
+    const Shape other(ball.center + 0.3f * ball.radius * Vec3(1, 0, 0), 0.7f * ball.radius);
+    const SampleTable& directions = samplesOf(other, 1024);
+    const SampledShape around = sampled(other, directions);
+    for (const SimdLevel level : supportedSimdLevels()) {
+      std::vector<std::uint16_t> masks(directions.patches(), 0xFFFF);
+      (void)ballKernels(level).dropSamples(around, dropBall(shape), masks.data());
+      for (std::uint32_t k = 0; k < directions.count(); ++k)
+        ASSERT_EQ((masks[k / kPatch] >> k % kPatch & 1) == 0, drops(shape, placedSample(around, k).position))
+            << nameOf(level) << ", sample " << k;
+    }
+    // The cells themselves, by the definition.
+    const GridGeometry grid(*volume);
+    const std::vector<std::int8_t> sides = sidesOfCells(*volume);
+    ASSERT_EQ(sides.size(), grid.cells());
+    for (int k = 0; k < 20000; ++k) {
+      const std::size_t cell = random.below(sides.size());
+      const auto nx = static_cast<std::size_t>(grid.size[0]), ny = static_cast<std::size_t>(grid.size[1]);
+      const DVec3 corner(static_cast<double>(cell % nx), static_cast<double>(cell / nx % ny),
+                         static_cast<double>(cell / nx / ny));
+      const DVec3 within = (DVec3(random.inCube(1)) + DVec3(1)) * 0.5;
+      ++asked;
+      if (sides[cell] == 0) continue;
+      ++decided;
+      const double dilation = sides[cell] > 0 ? 0.5 * kGridMargin * grid.cell : 0;
+      ASSERT_EQ(volume->contains(grid.low + grid.cell * (corner + within), dilation), sides[cell] < 0);
+    }
+    std::printf("%-16s %.0f %% of cells decided\n", std::string(example.kind().name).c_str(),
+                100.0 * static_cast<double>(decided) / static_cast<double>(asked));
   });
 }
 
@@ -342,6 +416,55 @@ TEST_P(VolumeConformance, S13NumbersThatAreNotFiniteOrNotPositiveAreRefused) {
 INSTANTIATE_TEST_SUITE_P(All, VolumeConformance,
                          ::testing::ValuesIn(volumeKinds().begin(), volumeKinds().end()),
                          [](const auto& test) { return std::string(test.param->name); });
+
+// Legs of swept strokes: one place each, and their samples are made again rather than held.
+TEST(RoundCone, S13SamplesOfALegAreNotHeldAndComeAgainBitForBit) {
+  const auto legOf = [](float length) { return roundConeKind().make({{{0.5f}, {0.4f}, {length}}}); };
+  const auto leg = legOf(1.25f);
+  const Shape shape(std::make_shared<const PosedVolume>(leg, Pose{}));
+  EXPECT_FALSE(keepsSamples(shape));
+  const std::size_t bytes = leg->bytes();
+  const SampleTable& first = samplesOf(shape, 480);
+  std::vector<Vec3> positions, normals;
+  for (std::uint32_t i = 0; i < first.count(); ++i) {
+    positions.push_back(first.position(i));
+    normals.push_back(first.normal(i));
+  }
+  EXPECT_EQ(&samplesOf(shape, 480), &first);  // still remembered
+  EXPECT_EQ(leg->bytes(), bytes);
+  for (std::size_t k = 0; k < 2 * kRecentSamples; ++k)
+    (void)legOf(2 + 0.1f * static_cast<float>(k))->samples(160);
+  const SampleTable& again = samplesOf(shape, 480);
+  ASSERT_EQ(again.count(), positions.size());
+  for (std::uint32_t i = 0; i < again.count(); ++i) {
+    ASSERT_EQ(again.position(i), positions[i]);
+    ASSERT_EQ(again.normal(i), normals[i]);
+  }
+  // A tip stands in many places, and keeps what it made.
+  const Shape other(std::make_shared<const PosedVolume>(leg, Pose{.position = {1, 0, 0}}));
+  EXPECT_TRUE(keepsSamples(other));
+  (void)samplesOf(other, 480);
+  EXPECT_GT(leg->bytes(), bytes);
+}
+
+// They are not sorted: the rings that they come in are about as compact as sorting makes patches, on a needle
+// a third larger, since few fit around it.
+TEST(RoundCone, S4PatchesAreCompact) {
+  for (const VolumeParameters& example : roundConeKind().examples()) {
+    const auto volume = roundConeKind().make(example);
+    const SampleTable& rings = volume->samples(1920);
+    std::vector<SurfaceSample> samples;
+    for (std::uint32_t i = 0; i < rings.count(); ++i)
+      samples.push_back({DVec3(rings.position(i)), DVec3(rings.normal(i))});
+    const SampleTable sorted(samples);
+    double inRings = 0, inSorted = 0;
+    for (std::uint32_t p = 0; p < rings.patches(); ++p) {
+      inRings += static_cast<double>(rings.tree().level[0].radius[p]);
+      inSorted += static_cast<double>(sorted.tree().level[0].radius[p]);
+    }
+    EXPECT_LT(inRings, 1.4 * inSorted);
+  }
+}
 
 TEST(MixedLists, S3S6EveryWalkOfEditsEqualsTheDefinition) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
