@@ -146,7 +146,7 @@ struct ExampleCommand {
   void addTo(CLI::App& app) {
     CLI::App* command =
         app.add_subcommand("example", "makes one of the example logs that ship with the project");
-    command->add_option("name", name, "table2, paper-scale, rabbit or gallery")->required();
+    command->add_option("name", name, "table2, paper-scale, rabbit, figure10 or gallery")->required();
     command->add_option("--out", out, "the log to write")->required();
     common.addTo(*command);
     command->callback([this] { run(); });

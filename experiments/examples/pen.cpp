@@ -57,6 +57,15 @@ Camera cameraAt(DVec3 from, DVec3 at, DVec3 up) {
   return c;
 }
 
+std::vector<Aim> straight(DVec3 from, DVec3 to, int points) {
+  std::vector<Aim> aims;
+  for (int i = 0; i < points; ++i) {
+    const double t = static_cast<double>(i) / (points - 1);
+    aims.push_back({from * (1 - t) + to * t, 1});
+  }
+  return aims;
+}
+
 retarget::Stroke penStroke(const Camera& camera, std::span<const Aim> aims) {
   retarget::Stroke stroke;
   stroke.camera = camera;
@@ -82,9 +91,19 @@ std::size_t Sculptor::draw(const Camera& camera, std::span<const Aim> aims, cons
   sculpt::StrokeCommand command;
   command.stroke = penStroke(camera, aims);
   command.brush = brush;
-  const std::size_t stamps = document_.apply(command).primitivesAdded;
+  return carryOut(std::move(command)).primitivesAdded;
+}
+
+void Sculptor::drawOn(const Camera& camera, std::span<const Aim> aims, const sculpt::Brush& brush) {
+  if (draw(camera, aims, brush) == 0) throw InternalError("examples: a stroke missed the shape");
+}
+
+sculpt::CommandReport Sculptor::carryOut(sculpt::Command command) {
+  sculpt::CommandReport report = document_.apply(command);
+  if (sculpt::Consequences* consequences = sculpt::consequencesOf(command))
+    consequences->recasts = report.recasts;
   log_.commands.emplace_back(std::move(command));
-  return stamps;
+  return report;
 }
 
 bool Sculptor::drawUntil(const Camera& camera, std::span<const Aim> aims, const sculpt::Brush& brush,

@@ -26,6 +26,9 @@ struct Aim {
 /// A camera at `from` that looks at `at`, 1280 x 960 pixels, up as nearly as possible `up`.
 [[nodiscard]] Camera cameraAt(DVec3 from, DVec3 at, DVec3 up = {0, 1, 0});
 
+/// Points at equal distances from one place to the other, both included; `points` > 1.
+[[nodiscard]] std::vector<Aim> straight(DVec3 from, DVec3 to, int points);
+
 /// The stroke that a pen draws which is aimed at these points, one every 8 ms. Screen coordinates are rounded
 /// to 1/16 pixel and equal neighbours kept: that is what a pen does that waits. Throws InternalError for a
 /// point behind the camera.
@@ -41,10 +44,15 @@ class Sculptor {
 
   /// Draws the stroke and returns the number of stamps that it became.
   std::size_t draw(const Camera& camera, std::span<const Aim> aims, const sculpt::Brush& brush);
+  /// The same, of a stroke that has to hit: throws InternalError when the whole of it misses the shape.
+  void drawOn(const Camera& camera, std::span<const Aim> aims, const sculpt::Brush& brush);
   /// The same, with the pen lifted as soon as there are `stamps` stamps. Returns false, and draws nothing,
   /// when the whole stroke has fewer, or jumps over that number.
   bool drawUntil(const Camera& camera, std::span<const Aim> aims, const sculpt::Brush& brush,
                  std::size_t stamps);
+
+  /// Carries out any command, and writes it down with what followed from it.
+  sculpt::CommandReport carryOut(sculpt::Command command);
 
   /// Where a ray from `from` towards `at` meets the shape. Throws InternalError when it does not.
   [[nodiscard]] DVec3 surfaceSeen(DVec3 from, DVec3 at) const;

@@ -10,7 +10,6 @@
 
 #include "experiments/examples/example_logs.h"
 #include "experiments/examples/pen.h"
-#include "implicit/errors.h"
 
 namespace restroke::experiments {
 namespace {
@@ -63,21 +62,14 @@ class Rabbit {
 
   /// A line on the surface between two places, seen by the camera.
   void bow(const Camera& camera, DVec3 from, DVec3 to, const Brush& brush) {
-    std::vector<Aim> aims;
-    constexpr int kPoints = 24;
-    for (int i = 0; i <= kPoints; ++i) {
-      const double t = static_cast<double>(i) / kPoints;
-      aims.push_back({from * (1 - t) + to * t, 1});
-    }
-    draw(camera, aims, brush);
+    draw(camera, straight(from, to, 25), brush);
   }
 
   /// A click of the pen, seen from the front.
   void dab(DVec3 at, const Brush& brush) { draw(front_, {{at, 1}}, brush); }
 
   void draw(const Camera& camera, const std::vector<Aim>& aims, const Brush& brush) {
-    if (sculptor_.draw(camera, aims, brush) == 0)
-      throw InternalError("examples: a stroke of the rabbit missed it");
+    sculptor_.drawOn(camera, aims, brush);
   }
 
   void ear(double side) {

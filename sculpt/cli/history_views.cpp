@@ -137,81 +137,164 @@ nlohmann::ordered_json treeJson(const History& history) {
   return {{"cursor", sculpt::indexOf(history.cursor())}, {"nodes", nodes}};
 }
 
-std::string treeSvg(const History& history) {
-  constexpr int kStep = 44, kRow = 48, kIcon = 30, kMargin = 24;
-  // Elder branches above younger ones; the eldest goes on in its parent's row.
-  struct Place {
-    int column = 0, row = 0;
+namespace {
+
+// The drawing's measures, in its own units.
+constexpr int kStep = 44, kRow = 50, kIcon = 30, kHalf = kIcon / 2, kGap = (kStep - kIcon) / 2, kMargin = 24;
+/// Rows of more icons than this are folded: wider drawings are unreadable on a page.
+constexpr int kColumns = 24;
+constexpr const char *kPaper = "#3a3f47", *kRootFill = "#ffffff", *kAddFill = "#cf3b32",
+                     *kCarveFill = "#3565c4", *kBaseFill = "#3f9b57", *kCursorFrame = "#ffd21f";
+constexpr const char* kCancelledOpacity = "0.35";
+
+/// Where an icon stands: column and row.
+struct Place {
+  int column = 0, row = 0;
+};
+
+struct Layout {
+  std::vector<NodeId> order;  ///< parents before children
+  std::vector<Place> places;  ///< by node
+  int columns = 1, rows = 1;
+
+  [[nodiscard]] int x(NodeId node) const { return kMargin + places[sculpt::indexOf(node)].column * kStep; }
+  [[nodiscard]] int y(NodeId node) const { return kMargin + places[sculpt::indexOf(node)].row * kRow; }
+};
+
+/// Elder branches above younger ones; the eldest goes on in its parent's row. Where a row is full, it goes on
+/// below itself, as text does.
+Layout laidOut(const HistoryTree& tree) {
+  struct Open {
+    NodeId node;
+    bool goesOn;  // in its parent's row
   };
-  std::vector<Place> places(history.size());
-  int rows = 0, columns = 0;
-  std::vector<NodeId> order;
-  std::vector<std::pair<NodeId, bool>> open{{sculpt::kRootNode, true}};  // and whether it goes on in a row
+  Layout layout;
+  layout.places.resize(tree.size());
+  std::vector<int> foldsTo(tree.size(), 1);  // the column to which the node's row comes back
+  std::vector<Open> open{{sculpt::kRootNode, true}};
   while (!open.empty()) {
     const auto [node, goesOn] = open.back();
     open.pop_back();
-    order.push_back(node);
-    Place& place = places[sculpt::indexOf(node)];
+    layout.order.push_back(node);
     if (node != sculpt::kRootNode) {
-      const Place& parent = places[sculpt::indexOf(history.parent(node))];
-      place = {parent.column + 1, goesOn ? parent.row : ++rows};
-      columns = std::max(columns, place.column);
+      const std::uint32_t up = sculpt::indexOf(tree.parent(node)), i = sculpt::indexOf(node);
+      Place place{layout.places[up].column + 1, layout.places[up].row};
+      foldsTo[i] = foldsTo[up];
+      const bool full = place.column == kColumns;
+      if (full) place.column = foldsTo[i];
+      if (full || !goesOn) place.row = layout.rows++;
+      // Not too far to the right: what is folded there would be folded again and again.
+      if (!goesOn) foldsTo[i] = std::min(place.column, kColumns / 2);
+      layout.places[i] = place;
+      layout.columns = std::max(layout.columns, place.column + 1);
     }
-    const std::vector<NodeId> next = childrenOf(history.tree(), node);
-    for (std::size_t i = next.size(); i-- > 0;) open.emplace_back(next[i], i == 0);
+    const std::vector<NodeId> next = childrenOf(tree, node);
+    for (std::size_t i = next.size(); i-- > 0;) open.push_back({next[i], i == 0});
   }
+  return layout;
+}
 
+/// From a node to its child. It turns between columns and between rows, where no icons are.
+std::string link(const Layout& layout, NodeId parent, NodeId child, bool active) {
+  const int fromX = layout.x(parent) + kIcon, fromY = layout.y(parent) + kHalf;
+  const int toX = layout.x(child), toY = layout.y(child) + kHalf;
+  const std::string style =
+      active ? "stroke=\"#f2f2f2\" stroke-width=\"3.5\"" : "stroke=\"#9aa3ad\" stroke-width=\"1.5\"";
+  std::string way = fmt::format("M{} {}", fromX, fromY);
+  if (fromY != toY) way += fmt::format("H{}", fromX + kGap);
+  if (toX < fromX) way += fmt::format("V{}H{}", toY - kRow / 2, toX - kGap);
+  if (fromY != toY) way += fmt::format("V{}", toY);
+  return fmt::format("<path d=\"{}H{}\" fill=\"none\" stroke-linejoin=\"round\" {}/>\n", way, toX, style);
+}
+
+struct Icon {
+  int x = 0, y = 0;
+  const char *fill = kRootFill, *ink = "#ffffff";
+  std::string text = {};
+  bool cancelled = false, cursor = false;
+};
+
+std::string drawn(const Icon& icon) {
+  std::string svg = fmt::format(
+      "<g opacity=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"5\" fill=\"{}\" "
+      "stroke=\"#ffffff\" stroke-width=\"1\"/>",
+      icon.cancelled ? kCancelledOpacity : "1", icon.x, icon.y, kIcon, kIcon, icon.fill);
+  if (!icon.text.empty())
+    svg += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>", icon.x + kHalf, icon.y + kHalf + 4,
+                       icon.ink, icon.text);
+  svg += "</g>";
+  if (icon.cursor)
+    svg += fmt::format(
+        "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"8\" fill=\"none\" stroke=\"{}\" "
+        "stroke-width=\"4\"/>",
+        icon.x - 4, icon.y - 4, kIcon + 8, kIcon + 8, kCursorFrame);
+  return svg;
+}
+
+/// What icons mean, in one line whose widths are those of its words.
+constexpr int kLegendWidth = 700;
+std::string legend(int y) {
+  struct Entry {
+    Icon icon;
+    const char* words;
+    int width;
+  };
+  const Entry entries[] = {{{.fill = kRootFill}, "base", 90},
+                           {{.fill = kAddFill}, "adds", 90},
+                           {{.fill = kCarveFill}, "carves", 100},
+                           {{.fill = kBaseFill}, "changes the base", 170},
+                           {{.fill = kAddFill, .cancelled = true}, "cancelled", 120},
+                           {{.fill = kPaper, .cursor = true}, "cursor", 100}};
+  std::string svg = "<g text-anchor=\"start\" fill=\"#dfe3e8\">\n";
+  int x = kMargin;
+  for (const auto& [icon, words, width] : entries) {
+    Icon placed = icon;
+    placed.x = x;
+    placed.y = y;
+    svg += drawn(placed) +
+           fmt::format("<text x=\"{}\" y=\"{}\">{}</text>\n", x + kIcon + 10, y + kHalf + 4, words);
+    x += width;
+  }
+  return svg + "</g>\n";
+}
+
+}  // namespace
+
+std::string treeSvg(const History& history) {
+  const Layout layout = laidOut(history.tree());
   std::vector<bool> onPath(history.size(), false);
   for (const NodeId node : history.pathTo(history.cursor())) onPath[sculpt::indexOf(node)] = true;
-  const auto x = [&](NodeId node) { return kMargin + places[sculpt::indexOf(node)].column * kStep; };
-  const auto y = [&](NodeId node) { return kMargin + places[sculpt::indexOf(node)].row * kRow; };
-  const int width = 2 * kMargin + columns * kStep + kIcon, height = 2 * kMargin + rows * kRow + kIcon;
+  const int width = std::max(2 * kMargin + (layout.columns - 1) * kStep + kIcon, kLegendWidth);
+  const int legendY = kMargin + layout.rows * kRow + 10, height = legendY + kIcon + kMargin;
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
-      "font-family=\"DejaVu Sans, sans-serif\" font-size=\"12\" text-anchor=\"middle\">\n"
+      "font-family=\"DejaVu Sans, sans-serif\" font-size=\"13\" text-anchor=\"middle\">\n"
       "<title>History tree: {2} nodes, cursor at node {3}</title>\n"
-      "<rect width=\"{0}\" height=\"{1}\" fill=\"#3a3f47\"/>\n",
-      width, height, history.size(), sculpt::indexOf(history.cursor()));
-  const auto out = std::back_inserter(svg);
-  constexpr int kHalf = kIcon / 2;
-  for (const NodeId node : order) {
-    if (node == sculpt::kRootNode) continue;
-    const NodeId parent = history.parent(node);
-    const bool active = onPath[sculpt::indexOf(node)];
-    fmt::format_to(out, "<path d=\"M{} {}V{}H{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>\n",
-                   x(parent) + kHalf, y(parent) + kHalf, y(node) + kHalf, x(node) + kHalf,
-                   active ? "#f2f2f2" : "#9aa3ad", active ? 3.5 : 1.5);
-  }
-  for (const NodeId node : order) {
-    const char *fill = "#ffffff", *ink = "#22262b";
+      "<rect width=\"{0}\" height=\"{1}\" fill=\"{4}\"/>\n",
+      width, height, history.size(), sculpt::indexOf(history.cursor()), kPaper);
+  // The path to the cursor lies on top of the others.
+  for (const bool active : {false, true})
+    for (const NodeId node : layout.order)
+      if (node != sculpt::kRootNode && onPath[sculpt::indexOf(node)] == active)
+        svg += link(layout, history.parent(node), node, active);
+  for (const NodeId node : layout.order) {
+    Icon icon{.x = layout.x(node),
+              .y = layout.y(node),
+              .ink = "#22262b",
+              .text = fmt::format("{}", sculpt::indexOf(node)),
+              .cursor = node == history.cursor()};
     std::string title = "0 base";
-    bool cancelled = false;
     if (node != sculpt::kRootNode) {
       const NodeText text = textOf(history, node);
       const bool changesBase = text.kind == NodeKind::Base || text.kind == NodeKind::Transform;
-      fill = changesBase ? "#3f9b57" : text.carves ? "#3565c4" : "#cf3b32";
-      ink = "#ffffff";
+      icon.fill = changesBase ? kBaseFill : text.carves ? kCarveFill : kAddFill;
+      icon.ink = "#ffffff";
+      icon.cancelled = history.tree().isCancelled(node);
       title = lineOf(history, node).substr(2);
-      cancelled = history.tree().isCancelled(node);
     }
-    fmt::format_to(out, "<g><title>{}</title>", title);
-    // The tree shines through a cancelled icon, not the line behind it.
-    fmt::format_to(out, "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"5\" fill=\"#3a3f47\"/>",
-                   x(node), y(node), kIcon, kIcon);
-    fmt::format_to(
-        out,
-        "<g opacity=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"5\" fill=\"{}\" "
-        "stroke=\"#ffffff\" stroke-width=\"1\"/><text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text></g>",
-        cancelled ? "0.35" : "1", x(node), y(node), kIcon, kIcon, fill, x(node) + kHalf, y(node) + kHalf + 4,
-        ink, sculpt::indexOf(node));
-    if (node == history.cursor())
-      fmt::format_to(out,
-                     "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"8\" fill=\"none\" "
-                     "stroke=\"#ffd21f\" stroke-width=\"4\"/>",
-                     x(node) - 4, y(node) - 4, kIcon + 8, kIcon + 8);
-    svg += "</g>\n";
+    svg += fmt::format("<g><title>{}</title>{}</g>\n", title, drawn(icon));
   }
-  return svg + "</svg>\n";
+  return svg + legend(legendY) + "</svg>\n";
 }
 
 }  // namespace restroke::cli

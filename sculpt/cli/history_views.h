@@ -17,8 +17,9 @@ namespace restroke::cli {
 /// {"cursor": N, "nodes": [{"node", "parent", "kind", "cancelled", ...}]}, by number.
 [[nodiscard]] nlohmann::ordered_json treeJson(const sculpt::History& history);
 
-/// The tree from left to right, a branch a row: the root white, what adds red, what carves blue, other bases
-/// green, the cursor in a yellow frame, cancelled nodes translucent; the path to the cursor drawn heavier.
+/// The tree from left to right, a branch a row, long rows folded: the root white, what adds red, what carves
+/// blue, other bases green, the cursor in a yellow frame, cancelled nodes translucent; the path to the cursor
+/// drawn heavier, and a legend.
 [[nodiscard]] std::string treeSvg(const sculpt::History& history);
 
 }  // namespace restroke::cli

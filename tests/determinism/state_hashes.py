@@ -5,6 +5,7 @@
 
 Every compiler, build type, sanitizer and Debian runs this same test, so all of them agree. Logs of the shared folder are left out where it is absent.
 """
+import itertools
 import json
 import os
 import subprocess
@@ -15,12 +16,15 @@ SIMD_LEVELS = ["sse2", "avx2", "avx512"]
 
 
 def sources(source_dir, shared_dir):
-    """Name -> arguments of `restroke replay`, or a stroke file to import first."""
+    """Name -> a log to replay, a stroke file to import first, or a log and the number of its lines to replay."""
     out = {}
     examples = os.path.join(source_dir, "experiments", "examples")
     for name in sorted(os.listdir(examples)):
         if name.endswith(".log"):
             out["examples/" + name] = ("replay", os.path.join(examples, name))
+    with open(os.path.join(examples, "figure10-stages.txt"), encoding="utf-8") as f:
+        for stage, lines, *_ in (line.split() for line in f if not line.startswith("#")):
+            out["examples/figure10.log(%s)" % stage] = ("lines", os.path.join(examples, "figure10.log"), int(lines))
     strokes = os.path.join(shared_dir, "data", "strokes")
     if os.path.isdir(strokes):
         for name in sorted(os.listdir(strokes)):
@@ -56,8 +60,12 @@ def main():
     failures = 0
     found = {}
     with tempfile.TemporaryDirectory() as folder:
-        for name, (kind, path) in sources(source_dir, shared_dir).items():
+        for name, (kind, path, *lines) in sources(source_dir, shared_dir).items():
             log = path
+            if kind == "lines":
+                log = os.path.join(folder, "begun.log")
+                with open(path, encoding="utf-8") as whole, open(log, "w", encoding="utf-8") as begun:
+                    begun.writelines(itertools.islice(whole, lines[0]))
             if kind == "import":
                 log = os.path.join(folder, "imported.log")
                 if os.path.exists(log):
