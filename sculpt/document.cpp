@@ -117,9 +117,10 @@ void Document::appendStamps(std::span<const implicit::Primitive> stamps) {
 
 AppliedStroke Document::appendStroke(NodeId node, const StrokeCommand& stroke, const Recast* recorded,
                                      CommandReport& report) {
-  AppliedStroke applied = Evaluation(history_, chains_)
-                              .apply(node, stroke, site(placed_, model_.list().size()),
-                                     {.recorded = recorded, .recompute = options_.recompute});
+  AppliedStroke applied =
+      Evaluation(history_, chains_)
+          .apply(node, stroke, site(placed_, model_.list().size()),
+                 {.recorded = recorded, .recompute = options_.recompute, .keepTrail = options_.keepTrails});
   const std::vector<implicit::Primitive> primitives = primitivesOf(applied.outcome, stroke.brush);
   appendStamps(primitives);
   report.primitivesAdded = primitives.size();
@@ -159,7 +160,8 @@ void Document::place(NodeId node, std::size_t primitives, AppliedStroke& applied
   placed_.back().setReads(std::move(applied.reads));
 }
 
-void Document::store(NodeId node, const AppliedStroke& applied) {
+void Document::store(NodeId node, AppliedStroke& applied) {
+  if (options_.keepTrails) trails_[node] = std::move(applied.trail);
   if (applied.original) history_.setOriginal(node, applied.original);
   if (!applied.kept) return;
   KeptRecast kept = *applied.kept;
@@ -271,6 +273,21 @@ std::vector<std::uint32_t> Document::nodeOfPrimitive() const {
   for (const PlacedNode& placed : placed_) nodes.insert(nodes.end(), placed.count, indexOf(placed.node));
   RESTROKE_CHECK_EQ(nodes.size(), model_.list().size());
   return nodes;
+}
+
+const retarget::Trail* Document::trailOf(NodeId node) const {
+  const auto found = trails_.find(node);
+  return found == trails_.end() || found->second.points.empty() ? nullptr : &found->second;
+}
+
+std::vector<Document::StrokePlaceOnList> Document::strokesOnList() const {
+  std::vector<StrokePlaceOnList> strokes;
+  std::size_t at = 1;
+  for (const PlacedNode& placed : placed_) {
+    if (history_.kind(placed.node) == NodeKind::Stroke) strokes.push_back({placed.node, at});
+    at += placed.count;
+  }
+  return strokes;
 }
 
 std::size_t Document::cacheBytes() const {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ struct DocumentOptions {
   /// Put stamps on the list one at a time and keep the time that each took (stampSeconds()). The result is
   /// the same.
   bool timeStamps = false;
+  /// Keep where each stroke met the shape (trailOf), for measuring.
+  bool keepTrails = false;
   /// What the history keeps of strokes.
   HistoryOptions history = {};
 };
@@ -72,6 +75,17 @@ class Document {
   /// With timeStamps: wall time of each stamp's update of list, clusters and surfels, in order.
   [[nodiscard]] std::span<const float> stampSeconds() const { return stampSeconds_; }
 
+  /// With keepTrails: where a stroke on the shape meets what is before it; null where it was not cast, but
+  /// taken from a record.
+  [[nodiscard]] const retarget::Trail* trailOf(NodeId node) const;
+  /// The strokes on the path to the cursor that are not cancelled, in order, and how many primitives come
+  /// before each.
+  struct StrokePlaceOnList {
+    NodeId node = kRootNode;
+    std::size_t prefix = 1;
+  };
+  [[nodiscard]] std::vector<StrokePlaceOnList> strokesOnList() const;
+
   /// The definition that apply is held to: everything on the path to the cursor applied anew, in order, to an
   /// empty list, with nothing used of what stands on the list now.
   [[nodiscard]] points::SurfelModel replayedFromScratch() const;
@@ -92,7 +106,7 @@ class Document {
                              CommandReport& report);
   void appendStamps(std::span<const implicit::Primitive> stamps);
   void place(NodeId node, std::size_t primitives, AppliedStroke& applied);
-  void store(NodeId node, const AppliedStroke& applied);
+  void store(NodeId node, AppliedStroke& applied);
   [[nodiscard]] StrokeSite site(std::span<const PlacedNode> before, std::size_t prefix) const;
   [[nodiscard]] static const Recast* recastOf(NodeId node, const Consequences& recorded);
   static void noteRecast(NodeId node, const AppliedStroke& applied, const Recast* recorded,
@@ -119,6 +133,7 @@ class Document {
   BaseChains::Base base_;
   std::vector<PlacedNode> placed_;  // behind the base, in list order
   std::vector<float> stampSeconds_;
+  std::map<NodeId, retarget::Trail> trails_;  // with keepTrails
 };
 
 /// Throws InputError (`where` begins the sentence) unless every field is in its range.

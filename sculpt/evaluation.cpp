@@ -79,11 +79,14 @@ std::optional<Affine> mapBetween(const BaseHistory& original, const BaseHistory&
 }  // namespace
 
 AppliedStroke Evaluation::cast(const StrokeCommand& stroke, const retarget::CasterInput& input,
-                               const StrokeSite& site, const StrokeReads* former) const {
+                               const StrokeSite& site, const Shortcuts& shortcuts) const {
   const auto caster = retarget::makeCaster(stroke.method, input);
-  ReadingCaster reading(*caster, former);
+  ReadingCaster reading(*caster, shortcuts.former);
+  retarget::TrailRecorder recorder(reading);
+  retarget::Caster& asked = shortcuts.keepTrail ? static_cast<retarget::Caster&>(recorder) : reading;
   AppliedStroke applied;
-  applied.outcome = stampsAlong(stroke.stroke, stroke.brush, site.grid, reading);
+  applied.outcome = stampsAlong(stroke.stroke, stroke.brush, site.grid, asked);
+  if (shortcuts.keepTrail) applied.trail = recorder.take();
   applied.reads = std::make_unique<StrokeReads>(reading.take());
   return applied;
 }
@@ -91,24 +94,27 @@ AppliedStroke Evaluation::cast(const StrokeCommand& stroke, const retarget::Cast
 AppliedStroke Evaluation::apply(NodeId node, const StrokeCommand& stroke, const StrokeSite& site,
                                 const Shortcuts& shortcuts) const {
   if (retarget::needsTrail(stroke.method)) {
-    if (node == kRootNode || !history_.original(node)) return first(stroke, site);
+    if (node == kRootNode || !history_.original(node)) return first(stroke, site, shortcuts);
     return follow(node, stroke, site, shortcuts);
   }
   if (!retarget::isDeterministic(stroke.method)) return recordedOrCast(node, stroke, site, shortcuts);
-  return cast(stroke, inputFor(stroke, site), site, shortcuts.former);
+  return cast(stroke, inputFor(stroke, site), site, shortcuts);
 }
 
-AppliedStroke Evaluation::first(const StrokeCommand& stroke, const StrokeSite& site) const {
+AppliedStroke Evaluation::first(const StrokeCommand& stroke, const StrokeSite& site,
+                                const Shortcuts& shortcuts) const {
   const auto caster = retarget::makeCaster(stroke.method, inputFor(stroke, site));
   retarget::TrailRecorder recorder(*caster);
   AppliedStroke applied;
   applied.outcome = stampsAlong(stroke.stroke, stroke.brush, site.grid, recorder);
   // The next time it is another caster that is asked, about anything that has changed.
   applied.reads = std::make_unique<StrokeReads>(StrokeReads::ofEverything());
+  retarget::Trail trail = recorder.take();
+  if (shortcuts.keepTrail) applied.trail = trail;
   auto original = std::make_shared<Original>();
   original->shapeBefore = shapeBefore(site);
   original->base = site.base;
-  if (stroke.method != Method::Mapped) original->trail = recorder.take();
+  if (stroke.method != Method::Mapped) original->trail = std::move(trail);
   if (stroke.method == Method::Surface) {
     const ListOwners owners(site);
     retarget::setAnchors(original->trail, site.model.list(),
@@ -137,7 +143,7 @@ AppliedStroke Evaluation::follow(NodeId node, const StrokeCommand& stroke, const
     input.change = {.original = &original->trail, .owners = &owners};
     if (affine) input.change.map = &map;
   }
-  AppliedStroke applied = cast(stroke, input, site, nullptr);
+  AppliedStroke applied = cast(stroke, input, site, {.keepTrail = shortcuts.keepTrail});
   if (stroke.method == Method::Fixed)
     applied.reads = std::make_unique<StrokeReads>();
   else
@@ -166,8 +172,9 @@ AppliedStroke Evaluation::recordedOrCast(NodeId node, const StrokeCommand& strok
         return applied;
       }
   }
-  AppliedStroke made = cast(stroke, inputFor(stroke, site), site, nullptr);
+  AppliedStroke made = cast(stroke, inputFor(stroke, site), site, {.keepTrail = shortcuts.keepTrail});
   use(made.outcome);
+  applied.trail = std::move(made.trail);
   applied.isNew = true;
   return applied;
 }
@@ -195,7 +202,7 @@ AppliedStroke Evaluation::aligned(NodeId node, const StrokeCommand& stroke, cons
   retarget::CasterInput input = inputFor(stroke, site);
   input.camera = *recast->camera;
   input.change.scale = recast->scale;
-  AppliedStroke applied = cast(stroke, input, site, nullptr);
+  AppliedStroke applied = cast(stroke, input, site, {.keepTrail = shortcuts.keepTrail});
   applied.reads = std::make_unique<StrokeReads>(StrokeReads::ofEverything());
   applied.kept = KeptRecast{before, *recast};
   applied.isNew = isNew;

@@ -43,10 +43,12 @@ struct Shortcuts {
   const StrokeReads* former = nullptr;  ///< casts of the same stroke that still hold; of methods that cast
   const Recast* recorded = nullptr;     ///< what the log says
   bool recompute = false;               ///< pass over the log's and the history's records
+  bool keepTrail = false;               ///< give AppliedStroke::trail
 };
 
 struct AppliedStroke {
   StrokeOutcome outcome;
+  retarget::Trail trail;  ///< with keepTrail: what was hit; empty where a recorded outcome was used
   std::unique_ptr<StrokeReads> reads;
   std::shared_ptr<const Original> original;  ///< made now; null otherwise
   std::optional<KeptRecast> kept;            ///< to be kept in the history
@@ -65,10 +67,11 @@ class Evaluation {
 
  private:
   [[nodiscard]] AppliedStroke cast(const StrokeCommand& stroke, const retarget::CasterInput& input,
-                                   const StrokeSite& site, const StrokeReads* former) const;
+                                   const StrokeSite& site, const Shortcuts& shortcuts) const;
   [[nodiscard]] AppliedStroke follow(NodeId node, const StrokeCommand& stroke, const StrokeSite& site,
                                      const Shortcuts& shortcuts) const;
-  [[nodiscard]] AppliedStroke first(const StrokeCommand& stroke, const StrokeSite& site) const;
+  [[nodiscard]] AppliedStroke first(const StrokeCommand& stroke, const StrokeSite& site,
+                                    const Shortcuts& shortcuts) const;
   [[nodiscard]] AppliedStroke recordedOrCast(NodeId node, const StrokeCommand& stroke, const StrokeSite& site,
                                              const Shortcuts& shortcuts) const;
   [[nodiscard]] AppliedStroke aligned(NodeId node, const StrokeCommand& stroke, const StrokeSite& site,

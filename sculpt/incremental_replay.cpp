@@ -153,9 +153,10 @@ void Document::insertNode(Walk& walk, NodeId node) {
   std::size_t misses = 0;
   if (const auto* stroke = std::get_if<StrokeCommand>(&command)) {
     const Recast* recorded = recastOf(node, walk.recorded);
-    AppliedStroke applied = Evaluation(history_, chains_)
-                                .apply(node, *stroke, site(placed_, walk.at),
-                                       {.recorded = recorded, .recompute = options_.recompute});
+    AppliedStroke applied =
+        Evaluation(history_, chains_)
+            .apply(node, *stroke, site(placed_, walk.at),
+                   {.recorded = recorded, .recompute = options_.recompute, .keepTrail = options_.keepTrails});
     store(node, applied);
     noteRecast(node, applied, recorded, walk.report);
     if (!applied.note.empty()) walk.report.notes.push_back(noteOf(node, applied));
@@ -184,10 +185,12 @@ void Document::recast(Walk& walk, PlacedNode& placed) {
   const NodeId node = placed.node;
   const auto stroke = std::get<StrokeCommand>(history_.command(node));
   const Recast* recorded = recastOf(node, walk.recorded);
-  AppliedStroke applied =
-      Evaluation(history_, chains_)
-          .apply(node, stroke, site(placed_, walk.at),
-                 {.former = placed.reads.get(), .recorded = recorded, .recompute = options_.recompute});
+  AppliedStroke applied = Evaluation(history_, chains_)
+                              .apply(node, stroke, site(placed_, walk.at),
+                                     {.former = placed.reads.get(),
+                                      .recorded = recorded,
+                                      .recompute = options_.recompute,
+                                      .keepTrail = options_.keepTrails});
   store(node, applied);
   noteRecast(node, applied, recorded, walk.report);
   if (!applied.note.empty()) walk.report.notes.push_back(noteOf(node, applied));

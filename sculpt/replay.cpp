@@ -9,6 +9,13 @@ std::string placeOf(const StrokeLog& log, const std::string& file, std::size_t i
   return fmt::format("{}: command {}", file, index + 1);
 }
 
+Command recorded(const Command& command, const CommandReport& report, const Document& document) {
+  if (std::holds_alternative<StrokeCommand>(command)) return document.history().command(report.node);
+  Command written = command;
+  if (Consequences* consequences = consequencesOf(written)) consequences->recasts = report.recasts;
+  return written;
+}
+
 Document replay(const StrokeLog& log, const ReplayOptions& options, const Execution& execution) {
   Document document(log.header, options.document, execution);
   for (std::size_t i = 0; i < log.commands.size(); ++i) {
@@ -18,6 +25,7 @@ Document replay(const StrokeLog& log, const ReplayOptions& options, const Execut
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", placeOf(log, options.file, i), error.what()));
     }
+    if (options.record) options.record->commands[i] = recorded(log.commands[i], report, document);
     if (options.step) options.step(i, report);
   }
   return document;

@@ -16,7 +16,14 @@ struct ReplayOptions {
   std::string file = "log";  ///< name for messages
   DocumentOptions document = {};
   ReplayStep step = {};  ///< may be empty
+  /// Where it is given, a log with as many commands: each gets what was carried out, with the outcomes that
+  /// are to be recorded with it. May be the log that is replayed.
+  StrokeLog* record = nullptr;
 };
+
+/// The command as it is to be written down once it has been carried out: with the outcomes that depend on
+/// this machine.
+[[nodiscard]] Command recorded(const Command& command, const CommandReport& report, const Document& document);
 
 /// The document after all commands of the log. Throws InputError "FILE:LINE: ..." for a command that cannot
 /// be carried out.

@@ -70,6 +70,7 @@ struct RetargetOptions {
   std::string log;
   std::string base, transform, repair;
   std::string method = "exact";
+  bool surfaceDistance = false;  ///< measure it: a tree of all surfels for each stroke
   std::string out;
 };
 

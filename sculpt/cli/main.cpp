@@ -149,6 +149,8 @@ CLI::App* addRetarget(CLI::App& app, RetargetOptions& o) {
                 "of the base: \"translate x y z; rotate ax ay az degrees; scale s\", left to right");
   c->add_option("--method", o.method,
                 "exact (default), embree, depth, depth-cpu, fixed, nearest, mapped, surface or aligned");
+  c->add_flag("--surface-distance", o.surfaceDistance,
+              "also measure how far strokes are from the surface (a tree of all surfels for each stroke)");
   c->add_option("--out", o.out, "log to write")->required();
   addCommon(c, o.common);
   return c;

@@ -1,5 +1,6 @@
 // restroke retarget: the strokes of a log on another base, each cast anew from its recorded input (SPEC S7).
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "implicit/errors.h"
@@ -7,6 +8,7 @@
 #include "sculpt/cli/commands.h"
 #include "sculpt/cli/output.h"
 #include "sculpt/cli/replaying.h"
+#include "sculpt/cli/stroke_comparison.h"
 #include "sculpt/cli/words.h"
 
 namespace restroke::cli {
@@ -50,57 +52,71 @@ int runRetarget(const RetargetOptions& options) {
   const Execution execution = executionOf(options.common);
   sculpt::StrokeLog log = readLogNoting(options.log);
   refuseStampList(log, options.log, "retarget");
+  const sculpt::Document before =
+      sculpt::replay(log, {.file = options.log, .document = {.keepTrails = true}}, execution);
   for (sculpt::Command& command : log.commands) {
-    auto* stroke = std::get_if<sculpt::StrokeCommand>(&command);
-    if (!stroke) continue;
-    stroke->method = method;
-    stroke->outcome.reset();
+    if (auto* stroke = std::get_if<sculpt::StrokeCommand>(&command)) {
+      stroke->method = method;
+      stroke->outcome.reset();
+    } else if (sculpt::Consequences* consequences = sculpt::consequencesOf(command)) {
+      consequences->recasts.clear();
+    }
   }
   changeBase(log, options, method);
   Output output(options.common);
 
-  nlohmann::ordered_json strokes = nlohmann::ordered_json::array();
-  std::size_t points = 0, misses = 0, stamps = 0;
+  struct Stroke {
+    std::size_t index;  // of its command
+    std::size_t pieces;
+    double seconds;
+  };
+  std::map<sculpt::NodeId, Stroke> drawn;
   double seconds = 0;
-  std::vector<std::pair<std::size_t, sculpt::NodeId>> nodes;  // command and its node
-  sculpt::ReplayOptions replaying;
-  replaying.file = options.log;
+  sculpt::ReplayOptions replaying{
+      .file = options.log, .document = {.keepTrails = true}, .step = {}, .record = &log};
   replaying.step = [&](std::size_t i, const sculpt::CommandReport& report) {
-    const auto* stroke = std::get_if<sculpt::StrokeCommand>(&log.commands[i]);
-    if (!stroke) return;
-    nodes.emplace_back(i, report.node);
-    const std::size_t count = stroke->stroke.points.size();
-    strokes.push_back({{"line", log.lines[i]},
-                       {"node", static_cast<std::uint32_t>(report.node)},
-                       {"points", count},
-                       {"misses", report.misses},
-                       {"pieces", report.pieces},
-                       {"stamps", report.primitivesAdded},
-                       {"seconds", report.seconds}});
-    points += count;
-    misses += report.misses;
-    stamps += report.primitivesAdded;
     seconds += report.seconds;
+    if (std::holds_alternative<sculpt::StrokeCommand>(log.commands[i]))
+      drawn[report.node] = {i, report.pieces, report.seconds};
+    for (const std::string& note : report.notes) Output::note(note);
   };
   const sculpt::Document document = replayNoting(log, replaying, execution);
-  // The history knows the outcomes that have to be recorded.
-  for (const auto& [index, node] : nodes) log.commands[index] = document.history().command(node);
   sculpt::writeLog(options.out, log);
 
+  const StrokeComparison comparison(before, document, options, execution);
+  nlohmann::ordered_json strokes = nlohmann::ordered_json::array();
+  std::size_t points = 0, misses = 0, stamps = 0;
+  for (const auto& [node, stroke] : drawn) {
+    const sculpt::NodeResult result = document.history().result(node);
+    const std::size_t count =
+        std::get<sculpt::StrokeCommand>(log.commands[stroke.index]).stroke.points.size();
+    nlohmann::ordered_json one{
+        {"line", log.lines[stroke.index]}, {"node", sculpt::indexOf(node)}, {"points", count},
+        {"misses", result.misses},         {"pieces", stroke.pieces},       {"stamps", result.stamps},
+        {"seconds", stroke.seconds}};
+    one["measures"] = comparison.of(node);
+    strokes.push_back(std::move(one));
+    points += count;
+    misses += result.misses;
+    stamps += result.stamps;
+  }
+  const nlohmann::ordered_json measures = comparison.overall();
   const std::string hash = hexHash(document.model().stateHash(execution));
   output.say(
       fmt::format("{}: {} strokes by {}, {} points, {} of them misses, {} stamps, {:.3f} s, state {}\n",
-                  options.out, grouped(nodes.size()), options.method, grouped(points), grouped(misses),
+                  options.out, grouped(drawn.size()), options.method, grouped(points), grouped(misses),
                   grouped(stamps), seconds, hash));
+  output.say(comparison.text());
   output.finish({{"method", options.method},
                  {"strokes", strokes},
                  {"overall",
-                  {{"strokes", nodes.size()},
+                  {{"strokes", drawn.size()},
                    {"points", points},
                    {"misses", misses},
                    {"stamps", stamps},
                    {"seconds", seconds},
-                   {"state_hash", hash}}}});
+                   {"state_hash", hash},
+                   {"measures", measures}}}});
   return 0;
 }
 

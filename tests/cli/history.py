@@ -91,11 +91,11 @@ class Edits(Case):
         self.assertNotEqual(self.hash(log), drawn)
 
     def test_a_cancelled_stroke_is_as_if_it_had_not_been_drawn(self):
-        log = self.log(stroke(3200), stroke(3200, "carve"), stroke(3000))
+        log = self.log(stroke(3200), stroke(3200, "carve"), stroke(2400))
         report = self.json("history", log, "cancel", "1")
         self.assertEqual(report["retargeted"], 1)
         self.assertEqual(report["changed"], 1)
-        self.assertEqual(self.hash(log), self.hash(self.log(stroke(3200, "carve"), stroke(3000), name="b.log")))
+        self.assertEqual(self.hash(log), self.hash(self.log(stroke(3200, "carve"), stroke(2400), name="b.log")))
 
     def test_another_base_and_a_transform_are_nodes_under_all_strokes(self):
         log = self.log(stroke(3200))
@@ -135,6 +135,35 @@ class Edits(Case):
         self.assertEqual(recast["node"], 1)
         self.assertIn("position", recast["camera"])
         self.assertEqual(self.restroke("replay", log, "--check").returncode, 0)
+
+
+class Retargeting(Case):
+    def measures(self, method, *arguments):
+        log = self.log(stroke(3200), stroke(2800), name="%s.log" % method)
+        result = self.json("retarget", log, "--method", method, "--out", self.path(method + "-out.log"), *arguments)
+        self.assertEqual(self.restroke("replay", self.path(method + "-out.log"), "--check").returncode, 0, method)
+        return result
+
+    def test_measures_tell_the_methods_apart(self):
+        move = ("--transform", "translate 0.3 0.1 0; rotate 0 0 1 20")
+        follows = self.measures("mapped", *move)["overall"]["measures"]
+        self.assertLess(follows["error_max"], 2e-6)
+        self.assertEqual(follows["missed"], 0)
+        stays = self.measures("fixed", *move)["overall"]["measures"]
+        self.assertGreater(stays["error_rms"], 0.2)
+        self.assertAlmostEqual(stays["stretch_median"], 1, places=5)
+        cast = self.measures("exact", *move, "--surface-distance")
+        self.assertLess(cast["overall"]["measures"]["surface_distance_max"], 1e-6)
+        self.assertLess(cast["overall"]["measures"]["drift_max_pixels"], 1e-3)
+        self.assertGreater(cast["overall"]["measures"]["error_rms"], 0.01)
+        self.assertEqual(len(cast["strokes"]), 2)
+        self.assertIn("error_rms", cast["strokes"][0]["measures"])
+
+    def test_another_base_has_no_truth_but_every_method_a_result(self):
+        for method in ("exact", "fixed", "nearest", "mapped", "surface", "aligned", "depth-cpu"):
+            result = self.measures(method, "--base", "sphere:0,0,0,0.9")["overall"]
+            self.assertNotIn("error_rms", result["measures"], method)
+            self.assertGreater(result["stamps"], 10, method)
 
 
 class Refusals(Case):

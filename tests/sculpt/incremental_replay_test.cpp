@@ -40,14 +40,10 @@ std::string firstDifference(const Document& document) {
   return fmt::format("{} primitives instead of {}", mine.size(), truth.size());
 }
 
-/// Applies the command, and keeps it with what is to be recorded.
-CommandReport applyAndLog(Document& document, Command command, StrokeLog& log) {
-  CommandReport report = document.apply(command);
-  if (Consequences* consequences = consequencesOf(command)) consequences->recasts = report.recasts;
-  log.commands.push_back(isNode(command) && std::holds_alternative<StrokeCommand>(command)
-                             ? document.history().command(report.node)
-                             : std::move(command));
-  return report;
+/// Applies the command, and writes it down as it is to be recorded.
+void applyAndLog(Document& document, const Command& command, StrokeLog& log) {
+  const CommandReport report = document.apply(command);
+  log.commands.push_back(recorded(command, report, document));
 }
 
 /// One random history: after every command the state is that of a replay from scratch, and in the end the
