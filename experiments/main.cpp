@@ -12,6 +12,7 @@
 
 #include "experiments/examples/example_logs.h"
 #include "experiments/memory.h"
+#include "experiments/output.h"
 #include "experiments/shipped.h"
 #include "implicit/atomic_file.h"
 #include "implicit/errors.h"
