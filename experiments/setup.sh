@@ -12,6 +12,7 @@ restroke_packages=(
   libcgal-dev                                                  # implicit: exact predicates
   libepoxy-dev libegl-dev libegl1 libgl1-mesa-dri              # points: OpenGL without a display
   libqhull-dev                                                 # implicit: hulls
+  libflann-dev liblz4-dev libceres-dev libeigen3-dev           # retarget: nearest surfels, alignment
   libimath-dev libopenexr-dev libpng-dev                       # points: images
   lib3mf-dev libpugixml-dev zlib1g-dev                         # points: mesh files
   libcli11-dev nlohmann-json3-dev libzstd-dev libxxhash-dev    # sculpt, experiments

@@ -78,8 +78,9 @@ std::unique_ptr<Caster> makeCaster(Method method, const CasterInput& input) {
     case Method::Mapped:
       return makeMappedCaster(input);
     case Method::Nearest:
+      return makeNearestCaster(input);
     case Method::Surface:
-      break;
+      return makeSurfaceCaster(input);
   }
   throw InternalError(fmt::format("method {} has no caster", static_cast<int>(method)));
 }

@@ -13,16 +13,16 @@ std::optional<TrailPoint> Trail::at(double along) const {
   const TrailPoint &a = after[-1], &b = *after;
   if (!a.hit || !b.hit) return std::nullopt;
   const double s = (along - a.place.along) / (b.place.along - a.place.along);
-  TrailPoint between = s <= 0.5 ? a : b;
+  const TrailPoint& nearer = s <= 0.5 ? a : b;
   const auto mean = [s](double x, double y) { return x + s * (y - x); };
-  between.place.along = along;
-  between.place.screen = {static_cast<std::int32_t>(mean(a.place.screen.x, b.place.screen.x)),
-                          static_cast<std::int32_t>(mean(a.place.screen.y, b.place.screen.y))};
+  SurfaceHit hit = *nearer.hit;
   const DVec3 p(a.hit->position), q(b.hit->position), m(a.hit->normal), n(b.hit->normal);
-  between.hit->position = Point(p + s * (q - p));
+  hit.position = Point(p + s * (q - p));
   const DVec3 normal = m + s * (n - m);
-  if (dot(normal, normal) > 0) between.hit->normal = Vec3(normalized(normal));
-  return between;
+  if (dot(normal, normal) > 0) hit.normal = Vec3(normalized(normal));
+  const ScreenPoint screen{static_cast<std::int32_t>(mean(a.place.screen.x, b.place.screen.x)),
+                           static_cast<std::int32_t>(mean(a.place.screen.y, b.place.screen.y))};
+  return TrailPoint{.place = {screen, along}, .hit = hit, .anchor = nearer.anchor};
 }
 
 std::optional<SurfaceHit> TrailRecorder::cast(const StrokePlace& place) {

@@ -19,12 +19,11 @@ struct OwnerKey {
   bool operator==(const OwnerKey&) const = default;
 };
 
-/// Where a hit is in the frame of the primitive that it lies on, whatever became of that primitive.
+/// The primitive that a hit lies on, as it was when the stroke was first applied. With the hit it gives the
+/// coordinates on that primitive, also between two points of a trail (retarget/anchors.h).
 struct Anchor {
   OwnerKey owner;
-  /// In the primitive's own frame: of a sphere in radii from its centre.
-  DVec3 place{0};
-  DVec3 normal{0, 0, 1};
+  implicit::Shape shape;
   bool operator==(const Anchor&) const = default;
 };
 
