@@ -102,6 +102,10 @@ std::string adviceFor(const RetargetResults& results, const std::vector<Retarget
                 : fmt::format("; at {} casting loses the strokes", strengthText(strongest));
   if (const RetargetSummary* mapped = find(all, {group, kind, strongest, Method::Mapped}))
     text += fmt::format("; told the map, mapped errs by {} %", percent(mapped->medianRms));
+  if (const RetargetSummary* surface = find(all, {group, kind, strongest, Method::Surface}))
+    text +=
+        fmt::format("; where the same primitive or the same triangles are still there, surface errs by {} %",
+                    percent(surface->medianRms));
   return text + ".";
 }
 
