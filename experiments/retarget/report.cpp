@@ -142,7 +142,7 @@ std::string adviceSection(const RetargetResults& results) {
          fmt::format(
              "</ul>\n<p class=note>By the least median error over the bases that tell their motion, among "
              "methods "
-             "that are not told the map; exact stands for all that cast (embree, depth). A method that loses "
+             "that know the two shapes alone; exact stands for all that cast (embree, depth). A method that loses "
              "more than {:.0f} % of the places is passed over, and one within 10 % of another counts as its "
              "equal.</p>\n",
              100 * kUsableLost);
