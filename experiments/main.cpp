@@ -12,6 +12,10 @@
 
 #include "experiments/examples/example_logs.h"
 #include "experiments/memory.h"
+#include "experiments/output.h"
+#include "experiments/retarget.h"
+#include "experiments/retarget/report.h"
+#include "experiments/retarget/summary.h"
 #include "experiments/shipped.h"
 #include "implicit/atomic_file.h"
 #include "implicit/errors.h"
@@ -63,9 +67,10 @@ class ProgressLine {
   }
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
-  void operator()(std::size_t done, std::size_t all) {
+  void operator()(std::size_t done, std::size_t all) { (*this)("step", done, all); }
+  void operator()(const std::string& what, std::size_t done, std::size_t all) {
     if (!terminal_ || std::chrono::steady_clock::now() - begun_ < std::chrono::seconds(1)) return;
-    fmt::print(stderr, "\r{}: step {} of {}\033[K", name_, done, all);
+    fmt::print(stderr, "\r{}: {} {} of {}\033[K", name_, what, done, all);
     std::fflush(stderr);
     shown_ = true;
   }
@@ -139,6 +144,73 @@ struct MemoryCommand {
   }
 };
 
+struct RetargetCommand {
+  Common common;
+  std::vector<std::string> logs;
+  std::string out;
+  bool smoke = false, noOpenGl = false;
+  RetargetOptions options;
+
+  void addTo(CLI::App& app) {
+    CLI::App* command = app.add_subcommand(
+        "retarget", "how well each method puts strokes back where they belong on a changed base");
+    command->add_option(
+        "logs", logs,
+        "stroke logs; without any, pen strokes on bases of several kinds: the shipped ones, and "
+        "strokes and meshes of ../shared/data where they are there");
+    command
+        ->add_option("--out", out,
+                     "folder for results.csv, results.json, trials.csv, edits.csv, manifest.json, figures, "
+                     "pictures, report.html")
+        ->required();
+    command->add_flag("--smoke", smoke, "a small size that takes seconds");
+    command->add_option("--strokes", options.strokes, "strokes on each base, default 16; 0 takes all")
+        ->type_name("N");
+    command->add_option("--samples", options.samples, "surfels of a base, default 15,000")
+        ->check(CLI::Range(500, 1'000'000))
+        ->type_name("N");
+    command->add_flag("--no-opengl", noOpenGl, "leave out the method depth, which draws with OpenGL");
+    command->add_option("--seed", options.seed, "of directions, axes and alignments");
+    common.addTo(*command);
+    command->callback([this] { run(); });
+  }
+
+  void run() {
+    options.openGl = !noOpenGl;
+    const RetargetOptions sized = smoke ? smokeSize(options) : options;
+    const RetargetInput input = defaultInput({logs.begin(), logs.end()});
+    // What is wrong with an input or an output is said before the work begins, and leaves nothing behind.
+    for (const fs::path& file : input.logs) (void)sculpt::readLog(file);
+    common.begin();
+    makeFolder(out);
+    RetargetResults results;
+    {
+      ProgressLine line("retarget");
+      results = measureRetarget(
+          input, sized, common.execution,
+          [&line](const std::string& what, std::size_t done, std::size_t all) { line(what, done, all); });
+    }
+    const std::vector<std::string> written = writeRetarget(results, sized, out);
+
+    common.say(retargetTable(results) + "\n");
+    for (const std::string& sentence : adviceOf(results)) common.say(sentence + "\n");
+    nlohmann::ordered_json object = {
+        {"experiment", "retarget"}, {"out", out}, {"smoke", smoke}, {"files", written}};
+    object["bases"] = results.subjects.size();
+    object["cases"] = results.cases.size();
+    object["trials"] = results.trials.size();
+    object["advice"] = adviceOf(results);
+    object["claims"] = nlohmann::ordered_json::array();
+    for (const Claim& claim : claims(results))
+      object["claims"].push_back({{"claim", claim.text},
+                                  {"measured", claim.measured},
+                                  {"holds", claim.holds ? nlohmann::ordered_json(*claim.holds) : nullptr}});
+    object["notes"] = results.notes;
+    common.say(fmt::format("report: {}\n", (fs::path(out) / "report.html").string()));
+    common.finish(object);
+  }
+};
+
 struct ExampleCommand {
   Common common;
   std::string name, out;
@@ -165,8 +237,10 @@ int runProgram(int argc, char** argv) {
   CLI::App app("Experiments on sculpting with strokes that can be replayed.", "restroke-experiment");
   app.require_subcommand(1);
   MemoryCommand memory;
+  RetargetCommand retarget;
   ExampleCommand example;
   memory.addTo(app);
+  retarget.addTo(app);
   example.addTo(app);
   try {
     app.parse(argc, argv);

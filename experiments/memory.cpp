@@ -30,7 +30,8 @@ std::string nameOf(const sculpt::Command& command) {
   if (std::holds_alternative<sculpt::UndoCommand>(command)) return "undo";
   if (std::holds_alternative<sculpt::RedoCommand>(command)) return "redo";
   throw InputError(
-      "the log edits its tree or changes its base, but the back ends are compared on strokes, fixed stamps, undo "
+      "the log edits its tree or changes its base, but the back ends are compared on strokes, fixed stamps, "
+      "undo "
       "and redo, which all of them can do");
 }
 

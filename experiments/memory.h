@@ -106,10 +106,6 @@ void makeNamesUnique(std::vector<MemoryLog>& logs);
 /// The table as text: steps down, back ends across, then what each of them can do. Long logs are thinned out.
 [[nodiscard]] std::string memoryTable(const MemoryLog& log);
 
-/// Makes the folder, and those above it, unless it is there. Throws InputError when it cannot be made or
-/// written.
-void makeFolder(const std::filesystem::path& folder);
-
 /// Writes results.csv, results.json, manifest.json, step pictures, the figures and report.html into the
 /// folder, which is made when it is not there. Returns the files' names. Throws InputError when something
 /// cannot be written or drawn.

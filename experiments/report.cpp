@@ -5,61 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "experiments/page.h"
 #include "experiments/paper_table.h"
 #include "experiments/text.h"
 
 namespace restroke::experiments {
 namespace {
 
-// Print and screen alike: black on white, a serif to read and tabular figures to compare.
-constexpr std::string_view kStyle = R"css(
-:root { color-scheme: light; --ink: #1c1c1c; --soft: #666; --rule: #d8d4cc; --ours: #b3261e; --rival: #1f5fa8; }
-* { box-sizing: border-box; }
-body { margin: 0 auto; padding: 3rem 1.5rem 4rem; max-width: 62rem; background: #fff; color: var(--ink);
-       font: 17px/1.55 Charter, "Bitstream Charter", "Source Serif 4", Georgia, "DejaVu Serif", serif; }
-h1 { font-size: 2rem; line-height: 1.2; margin: 0 0 .4rem; font-weight: 600; }
-h2 { font-size: 1.35rem; margin: 3rem 0 .6rem; padding-top: 1rem; border-top: 1px solid var(--rule); font-weight: 600; }
-h3 { font-size: 1.05rem; margin: 2rem 0 .5rem; font-weight: 600; }
-p { max-width: 44rem; margin: .6rem 0; }
-.lead { color: #333; font-size: 1.12rem; }
-table { border-collapse: collapse; margin: .9rem 0 .4rem; font: 14px/1.35 system-ui, "DejaVu Sans", "Liberation Sans", sans-serif;
-        font-variant-numeric: tabular-nums; }
-th, td { padding: .28rem .75rem; text-align: right; white-space: nowrap; }
-th { font-weight: 600; border-bottom: 1.5px solid #444; vertical-align: bottom; white-space: normal; max-width: 8.5rem; }
-th.group { text-align: center; border-bottom: 1px solid var(--rule); color: var(--soft); max-width: none; }
-th.blank { border-bottom: none; }
-td { border-bottom: 1px solid #eeebe5; }
-tr:last-child td { border-bottom: 1.5px solid #444; }
-td:first-child, th:first-child { padding-left: .2rem; }
-.left td:first-child, .left th:first-child { text-align: left; }
-.left .able { text-align: center; }
-.ours { color: var(--ours); font-weight: 600; }
-.counted { color: var(--soft); font-weight: 400; }
-.note, figcaption { color: var(--soft); font: 13.5px/1.45 system-ui, "DejaVu Sans", "Liberation Sans", sans-serif; max-width: 44rem; }
-.wide { overflow-x: auto; }
-figure { margin: 1.2rem 0; break-inside: avoid; }
-figure img { display: block; width: 100%; max-width: 52rem; height: auto; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(12rem, 1fr)); gap: 1rem; margin: 1.2rem 0; }
-.pictures figure { margin: 0; }
-.pictures img { width: 100%; border: 1px solid var(--rule); border-radius: 3px; }
-dl { display: grid; grid-template-columns: max-content 1fr; gap: .2rem 1.2rem; margin: .8rem 0;
-     font: 13.5px/1.45 system-ui, "DejaVu Sans", "Liberation Sans", sans-serif; }
-dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
-@media print {
-  @page { margin: 16mm; }
-  body { max-width: none; padding: 0; font-size: 10.5pt; }
-  table { font-size: 8pt; } th, td { padding: .15rem .4rem; }
-  h2, h3 { break-after: avoid; } table { break-inside: avoid; } .wide { overflow: visible; } h2 { margin-top: 1.6rem; }
-  figure img { max-width: 150mm; }
-  .pictures { grid-template-columns: repeat(4, 1fr); gap: 3mm; }
-}
-)css";
-
 constexpr std::size_t kReportRows = 14;
-
-std::string dataUri(std::string_view type, std::string_view bytes) {
-  return fmt::format("data:{};base64,{}", type, base64(bytes));
-}
 
 const MemoryRow* rowNamed(const MemoryStep& step, std::string_view backend) {
   const auto it = std::ranges::find(step.rows, backend, &MemoryRow::backend);
@@ -191,12 +144,6 @@ std::string abilitiesTable(const MemoryLog& log) {
                     escapeHtml(log.name));
 }
 
-std::string figureHtml(const std::string& svg, const std::string& caption) {
-  if (svg.empty()) return {};
-  return fmt::format("<figure><img alt=\"{}\" src=\"{}\"><figcaption>{}</figcaption></figure>\n",
-                     escapeHtml(caption), dataUri("image/svg+xml", svg), escapeHtml(caption));
-}
-
 std::string logSection(const MemoryLog& log, const LogImages& images) {
   std::string html = fmt::format(
       "<h2>{}</h2>\n<p>{} strokes, {} stamps, {} surfels at the end, {} samples per square unit.{}</p>\n",
@@ -226,35 +173,14 @@ std::string logSection(const MemoryLog& log, const LogImages& images) {
   return html;
 }
 
-std::string originSection(const std::vector<MemoryLog>& logs, const ReportOptions& options,
-                          const Provenance& p) {
-  std::string html = "<h2>Where this comes from</h2>\n<dl>\n";
-  const auto entry = [&](std::string_view name, const std::string& value) {
-    html += fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, escapeHtml(value));
-  };
-  entry("revision", p.revision + (p.dirty ? ", with changes that are not committed" : ""));
-  entry("compiler", p.compiler);
-  entry("flags", p.flags);
-  entry("machine", fmt::format("{}, {} processors, {}", p.cpu, p.processors, p.system));
-  entry("options", fmt::format("{} (XXH3 {})", options.options, options.hash));
-  for (const MemoryLog& log : logs)
-    entry("input", fmt::format("{}, XXH3 {}", log.file.filename().string(), log.hash));
-  return html + "</dl>\n";
-}
-
 }  // namespace
 
 std::string memoryReport(const std::vector<MemoryLog>& logs, const std::vector<LogImages>& images,
-                         const ReportOptions& options, const Provenance& origin) {
+                         const Setup& setup, const Provenance& origin) {
   const auto paper = std::ranges::find_if(logs, &MemoryLog::paperTable2);
   // The log with the most strokes says most about what histories cost.
   const MemoryLog& largest = *std::ranges::max_element(logs, {}, &MemoryLog::strokes);
-  std::string html =
-      "<!doctype html>\n<html lang=en>\n<head>\n<meta charset=utf-8>\n"
-      "<meta name=viewport content=\"width=device-width, initial-scale=1\">\n<title>What undo costs in "
-      "memory</title>\n<style>";
-  html += kStyle;
-  html += "</style>\n</head>\n<body>\n<h1>What undo costs in memory</h1>\n" + lead(largest);
+  std::string html = pageHead("What undo costs in memory") + lead(largest);
   html +=
       "<p>The same strokes go into every history. After each step the bytes that it holds to undo are "
       "counted, from the real "
@@ -263,8 +189,10 @@ std::string memoryReport(const std::vector<MemoryLog>& logs, const std::vector<L
   if (paper != logs.end()) html += paperSection(*paper);
   html += abilitiesTable(largest);
   for (std::size_t i = 0; i < logs.size(); ++i) html += logSection(logs[i], images.at(i));
-  html += originSection(logs, options, origin);
-  return html + "</body>\n</html>\n";
+  std::vector<std::pair<std::string, std::string>> inputs;
+  for (const MemoryLog& log : logs) inputs.emplace_back(log.file.filename().string(), log.hash);
+  html += originSection(setup, origin, inputs);
+  return html.append(pageEnd());
 }
 
 }  // namespace restroke::experiments

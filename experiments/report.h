@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "experiments/memory.h"
-#include "experiments/provenance.h"
+#include "experiments/output.h"
 
 namespace restroke::experiments {
 
@@ -16,14 +16,9 @@ struct LogImages {
   std::string logarithmicSvg;
 };
 
-struct ReportOptions {
-  std::string options;  ///< the experiment's options as text
-  std::string hash;     ///< and their hash
-};
-
 /// HTML 5, UTF-8, without scripts and without anything to fetch. One LogImages a log; at least one log.
 [[nodiscard]] std::string memoryReport(const std::vector<MemoryLog>& logs,
-                                       const std::vector<LogImages>& images, const ReportOptions& options,
+                                       const std::vector<LogImages>& images, const Setup& setup,
                                        const Provenance& origin);
 
 }  // namespace restroke::experiments

@@ -14,8 +14,8 @@ namespace restroke::implicit {
 
 /// How space is cut. Never changes a result, only speed and memory.
 struct ClusterOptions {
-  /// Cell size of the grid for ordinary brushes in model units, finite and > 0. For brushes of 1 to 10 % of the
-  /// model's half size, 0.1 to 0.4 of it is a flat optimum; smaller cells list every primitive many times
+  /// Cell size of the grid for ordinary brushes in model units, finite and > 0. For brushes of 1 to 10 % of
+  /// the model's half size, 0.1 to 0.4 of it is a flat optimum; smaller cells list every primitive many times
   /// (tests/bench measures it).
   float cell = 0.2f;
 };
@@ -66,8 +66,8 @@ class ClusterGrid {
 
 /// The hierarchy: a primitive is listed in the finest grid in which its box spans at most kMaxSpan cell
 /// sizes, so that a base as large as the model and brushes a hundredth of it are both cheap to list, whatever
-/// their ratio. Primitives that are small even beside the ordinary grid's cells go to finer grids, in which they
-/// span at most one, so that they do not crowd. A query asks every grid that is in use: two in practice.
+/// their ratio. Primitives that are small even beside the ordinary grid's cells go to finer grids, in which
+/// they span at most one, so that they do not crowd. A query asks every grid that is in use: two in practice.
 class Clusters {
  public:
   static constexpr float kMaxSpan = 8;

@@ -1,6 +1,6 @@
-// What it costs to edit the history in the middle (SPEC S8, DESIGN invariant 6): cancelling each stroke of the
-// log of the paper's scale, its followers retargeted where needed, beside replaying the log from its start and
-// beside rebuilding the surfels alone; and the same on logs of up to 10,000 strokes.
+// What it costs to edit the history in the middle (SPEC S8, DESIGN invariant 6): cancelling each stroke of
+// the log of the paper's scale, its followers retargeted where needed, beside replaying the log from its
+// start and beside rebuilding the surfels alone; and the same on logs of up to 10,000 strokes.
 
 #include <fmt/format.h>
 
@@ -48,21 +48,23 @@ void paperScale(bool smoke) {
     rebuild.push_back(microseconds([&] { model.rebuild({.threads = 2}); }));
     for (std::uint32_t node = 1; node < document.history().size(); ++node) {
       sculpt::CommandReport report;
-      cancel.push_back(microseconds([&] { report = document.apply(sculpt::CancelCommand{{}, NodeId{node}}); }));
+      cancel.push_back(
+          microseconds([&] { report = document.apply(sculpt::CancelCommand{{}, NodeId{node}}); }));
       retargeted.push_back(static_cast<double>(report.retargeted));
       changed.push_back(static_cast<double>(report.changed));
       restore.push_back(microseconds([&] { document.apply(sculpt::RestoreCommand{{}, NodeId{node}}); }));
     }
   }
   const double median = rank(cancel, 0.5);
-  fmt::print("{} strokes, {} primitives, {} surfels, one thread, microseconds\n", document.history().size() - 1,
-             document.model().list().size(), document.model().surfelCount());
+  fmt::print("{} strokes, {} primitives, {} surfels, one thread, microseconds\n",
+             document.history().size() - 1, document.model().list().size(), document.model().surfelCount());
   fmt::print("  replay from the start   {:>10.0f}   {:>6.1f} times a cancel\n", rank(replay, 0.5),
              rank(replay, 0.5) / median);
   fmt::print("  rebuild, 2 threads      {:>10.0f}   {:>6.1f} times a cancel\n", rank(rebuild, 0.5),
              rank(rebuild, 0.5) / median);
   fmt::print("  cancel, median          {:>10.0f}   (99 %: {:.0f})\n", median, rank(cancel, 0.99));
-  fmt::print("  restore, median         {:>10.0f}   (99 %: {:.0f})\n", rank(restore, 0.5), rank(restore, 0.99));
+  fmt::print("  restore, median         {:>10.0f}   (99 %: {:.0f})\n", rank(restore, 0.5),
+             rank(restore, 0.99));
   fmt::print("  followers cast anew: median {:.0f}, most {:.0f}; changed: median {:.0f}, most {:.0f}\n",
              rank(retargeted, 0.5), rank(retargeted, 1), rank(changed, 0.5), rank(changed, 1));
   fmt::print("  bytes: history {}, model {}, kept to avoid casting {}\n\n", document.history().bytes(),
@@ -82,12 +84,12 @@ sculpt::StrokeLog spreadLog(std::size_t strokes) {
     const double flat = std::sqrt(1 - z * z);
     const DVec3 out(flat * std::cos(turn), flat * std::sin(turn), z);
     sculpt::StrokeCommand command;
-    command.stroke.camera = frameSphere(Point(radius * out), 0.4f,
-                                        {.view = Vec3(-out), .width = 400, .height = 400});
+    command.stroke.camera =
+        frameSphere(Point(radius * out), 0.4f, {.view = Vec3(-out), .width = 400, .height = 400});
     command.brush.radius = 0.06f;
     for (int k = 0; k <= 20; ++k)
-      command.stroke.points.push_back({.screen = {16 * (100 + 10 * k), 16 * (200 + (k % 3))},
-                                       .time = static_cast<std::uint32_t>(8 * k)});
+      command.stroke.points.push_back(
+          {.screen = {16 * (100 + 10 * k), 16 * (200 + (k % 3))}, .time = static_cast<std::uint32_t>(8 * k)});
     log.commands.emplace_back(command);
   }
   return log;
@@ -107,8 +109,8 @@ void growth(bool smoke) {
       cancel.push_back(microseconds([&] { document.apply(sculpt::CancelCommand{{}, node}); }));
       document.apply(sculpt::RestoreCommand{{}, node});
       const NodeId last = document.history().cursor();
-      jump.push_back(microseconds(
-          [&] { document.apply(sculpt::GotoCommand{{}, NodeId{sculpt::indexOf(last) - 10}}); }));
+      jump.push_back(
+          microseconds([&] { document.apply(sculpt::GotoCommand{{}, NodeId{sculpt::indexOf(last) - 10}}); }));
       document.apply(sculpt::GotoCommand{{}, last});
       undo.push_back(microseconds([&] { document.apply(sculpt::UndoCommand{}); }));
       document.apply(sculpt::RedoCommand{});

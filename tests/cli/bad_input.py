@@ -321,10 +321,12 @@ class Meshes(Case):
         for arguments in uses:
             self.assertIn("o.log:1: ", self.refused(*arguments, says="closed.off").stderr)
 
-    def test_a_mesh_is_scaled_evenly_only(self):
+    def test_a_mesh_takes_any_transform_and_a_torus_only_similarities(self):
         retarget = self.both(self.file("closed.off", CLOSED))[1]
-        self.refused(*retarget, "--transform", "scale 1 2 1", says="only a sphere")
-        self.accepted(*retarget, "--transform", "scale 2; rotate 0 1 0 30")
+        self.accepted(*retarget, "--transform", "scale 1 2 1; rotate 0 1 0 30")
+        torus = ["retarget", self.path("a.log"), "--base", "torus:radius=1,tube=0.4", "--out", self.path("t.log")]
+        self.refused(*torus, "--transform", "scale 1 2 1", says="a torus can only be turned, scaled evenly and moved")
+        self.accepted(*torus, "--transform", "scale 2; rotate 0 1 0 30")
 
     def test_a_mesh_cannot_be_swept(self):
         source, mesh = self.file("a.json", pen()), self.file("closed.off", CLOSED)

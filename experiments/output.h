@@ -1,0 +1,61 @@
+#pragma once
+// What every experiment writes in the same way: rows as CSV and JSON, a manifest, and where results come
+// from.
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "experiments/provenance.h"
+#include "points/images/png.h"
+
+namespace restroke::experiments {
+
+using Json = nlohmann::ordered_json;
+
+/// What an experiment was asked to do, as far as its rows and its report say so.
+struct Setup {
+  std::string_view experiment;  ///< name of the subcommand
+  std::string options;          ///< canonical text; its hash is in every row
+  std::uint64_t seed = 0;
+};
+
+/// revision, dirty, compiler, options_hash, seed: the columns that every row ends with.
+[[nodiscard]] Json originOf(const Setup& setup, const Provenance& p);
+
+/// experiment, the columns of originOf, flags, cpu, processors, system: what every manifest begins with.
+[[nodiscard]] Json manifestHead(const Setup& setup, const Provenance& p);
+
+/// An array of flat objects with the same keys as a table with a head; empty without rows. Null is an empty
+/// field.
+[[nodiscard]] std::string csvOf(const Json& rows);
+
+/// Rows, one a line: short for programs, and a difference between two files shows which row it is in.
+[[nodiscard]] std::string rowsText(const Setup& setup, const Json& rows);
+
+/// Makes the folder, and those above it, unless it is there. Throws InputError when it cannot be made or
+/// written.
+void makeFolder(const std::filesystem::path& folder);
+
+/// The folder of one experiment's results, and the names of what was put there.
+class ResultFolder {
+ public:
+  /// As makeFolder.
+  explicit ResultFolder(std::filesystem::path folder);
+  /// Throw InputError when the file cannot be written.
+  void write(const std::string& name, std::string_view bytes);
+  void write(const std::string& name, const points::DisplayImage& image);
+  /// Something else has written this file.
+  void note(const std::string& name) { files_.push_back(name); }
+  [[nodiscard]] std::filesystem::path at(const std::string& name) const { return folder_ / name; }
+  [[nodiscard]] const std::vector<std::string>& files() const { return files_; }
+
+ private:
+  std::filesystem::path folder_;
+  std::vector<std::string> files_;
+};
+
+}  // namespace restroke::experiments
