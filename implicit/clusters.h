@@ -37,6 +37,30 @@ class ClusterGrid {
   [[nodiscard]] Cell cellAt(DVec3 p) const;
   /// The list of a cell; empty when nothing touches it. O(1).
   [[nodiscard]] std::span<const std::uint32_t> at(Cell c) const;
+  /// Calls f(list) for the list of every cell from `low` to `high`: by looking each cell up, or by going
+  /// through the cells that were ever used, whichever are fewer.
+  template <class F>
+  void forListsBetween(Cell low, Cell high, const F& f) const {
+    const auto along = [](std::int32_t a, std::int32_t b) { return static_cast<double>(b) - a + 1; };
+    if (along(low.x, high.x) * along(low.y, high.y) * along(low.z, high.z) >
+        static_cast<double>(entries_.size())) {
+      for (const Entry& e : entries_) {
+        const Cell& c = e.cell;
+        if (e.used && !e.slots.empty() && low.x <= c.x && c.x <= high.x && low.y <= c.y && c.y <= high.y &&
+            low.z <= c.z && c.z <= high.z)
+          f(std::span<const std::uint32_t>(e.slots));
+      }
+      return;
+    }
+    for (std::int32_t z = low.z; z <= high.z; ++z)
+      for (std::int32_t y = low.y; y <= high.y; ++y)
+        for (std::int32_t x = low.x; x <= high.x; ++x) {
+          const std::span<const std::uint32_t> list = at({x, y, z});
+          if (!list.empty()) f(list);
+        }
+  }
+  /// Cells that were ever used: going through them all costs about as much as looking up so many.
+  [[nodiscard]] std::size_t usedCells() const { return usedEntries_; }
   /// Number of primitives in this grid.
   [[nodiscard]] std::size_t size() const { return size_; }
   /// Box that holds all that was ever inserted since the grid was last empty.
@@ -106,12 +130,7 @@ class Clusters {
           grid.cellAt({low(box.min.x, hull.min.x), low(box.min.y, hull.min.y), low(box.min.z, hull.min.z)});
       const Cell hi = grid.cellAt(
           {high(box.max.x, hull.max.x), high(box.max.y, hull.max.y), high(box.max.z, hull.max.z)});
-      for (std::int32_t z = lo.z; z <= hi.z; ++z)
-        for (std::int32_t y = lo.y; y <= hi.y; ++y)
-          for (std::int32_t x = lo.x; x <= hi.x; ++x) {
-            const std::span<const std::uint32_t> list = grid.at({x, y, z});
-            if (!list.empty()) f(list);
-          }
+      grid.forListsBetween(lo, hi, f);
     }
   }
 

@@ -76,6 +76,16 @@ void walkCells(const ClusterGrid& grid, const Ray& ray, double tIn, double tOut,
   }
 }
 
+// Whether there are so many cells on the way that it is quicker to look through all that are in use: small
+// primitives far apart.
+bool isSparse(const ClusterGrid& grid, const Ray& ray, double tIn, double tOut) {
+  const Cell first = grid.cellAt(ray.at(tIn)), last = grid.cellAt(ray.at(tOut));
+  const double steps = std::fabs(static_cast<double>(last.x) - first.x) +
+                       std::fabs(static_cast<double>(last.y) - first.y) +
+                       std::fabs(static_cast<double>(last.z) - first.z);
+  return steps > 4 * static_cast<double>(grid.usedCells());
+}
+
 // Memory that one thread's rays use one after the other.
 struct Scratch {
   std::vector<Interval> coarse, active;
@@ -98,7 +108,10 @@ class Walk {
   std::optional<RayHit> run() {
     const std::vector<ClusterGrid>& grids = list_.clusters().grids();
     const std::size_t finest = list_.clusters().finestInUse();
-    for (std::size_t g = finest + 1; g < grids.size(); ++g) collectCoarse(grids[g]);
+    const RayInterval fineStretch = stretchIn(grids[finest]);
+    const bool fineIsCoarse = fineStretch.enter < fineStretch.exit &&
+                              isSparse(grids[finest], ray_, fineStretch.enter, fineStretch.exit);
+    for (std::size_t g = fineIsCoarse ? finest : finest + 1; g < grids.size(); ++g) collectCoarse(grids[g]);
     std::sort(coarse_.begin(), coarse_.end(), [](const Interval& a, const Interval& b) {
       return a.label != b.label ? a.label < b.label : a.enter < b.enter;
     });
@@ -109,12 +122,9 @@ class Walk {
                   coarse_.end());
     double tStart = ray_.tMin, tEnd = ray_.tMin;
     const ClusterGrid& fine = grids[finest];
-    if (fine.size() > 0) {
-      const RayInterval in = clip(ray_, fine.hull(), 1e-4 * static_cast<double>(fine.cell()));
-      if (in.enter <= in.exit && in.exit > ray_.tMin && in.enter < ray_.tMax) {
-        tStart = std::max(in.enter, ray_.tMin);
-        tEnd = std::min(in.exit, ray_.tMax);
-      }
+    if (!fineIsCoarse && fineStretch.enter < fineStretch.exit) {
+      tStart = fineStretch.enter;
+      tEnd = fineStretch.exit;
     }
     // Before, in and after the fine grid's extent.
     if (tStart > ray_.tMin && stretch({}, tStart)) return hit_;
@@ -144,16 +154,29 @@ class Walk {
     for (const RayInterval& in : intervals_) to.push_back({in.enter, in.exit, label, slot, positive});
   }
 
-  void collectCoarse(const ClusterGrid& grid) {
-    if (grid.size() == 0) return;
+  // Between which parameters the ray is where the grid has anything; empty where it is not.
+  [[nodiscard]] RayInterval stretchIn(const ClusterGrid& grid) const {
+    if (grid.size() == 0) return {0, 0};
     const RayInterval in = clip(ray_, grid.hull(), 1e-4 * static_cast<double>(grid.cell()));
-    const double tIn = std::max(in.enter, ray_.tMin), tOut = std::min(in.exit, ray_.tMax);
-    if (!(tIn < tOut)) return;
-    walkCells(grid, ray_, tIn, tOut, [&](Cell cell, double, double) {
-      for (const std::uint32_t slot : grid.at(cell)) {
+    return {std::max(in.enter, ray_.tMin), std::min(in.exit, ray_.tMax)};
+  }
+
+  void collectCoarse(const ClusterGrid& grid) {
+    const RayInterval in = stretchIn(grid);
+    if (!(in.enter < in.exit)) return;
+    const auto addAll = [&](std::span<const std::uint32_t> slots) {
+      for (const std::uint32_t slot : slots) {
         if (list_.labels()[slot] >= end_) break;
         add(slot, coarse_);
       }
+    };
+    if (isSparse(grid, ray_, in.enter, in.exit)) {
+      constexpr std::int32_t kFar = 2'100'000'000;  // beyond any cell
+      grid.forListsBetween({-kFar, -kFar, -kFar}, {kFar, kFar, kFar}, addAll);
+      return;
+    }
+    walkCells(grid, ray_, in.enter, in.exit, [&](Cell cell, double, double) {
+      addAll(grid.at(cell));
       return false;
     });
   }
