@@ -76,8 +76,8 @@ void StrokeReads::finish() {
     bounds_.min -= slack;
     bounds_.max += slack;
   }
-  std::stable_sort(casts_.begin(), casts_.end(),
-                   [](const ReadCast& a, const ReadCast& b) { return a.place.along < b.place.along; });
+  std::sort(casts_.begin(), casts_.end(),
+            [](const ReadCast& a, const ReadCast& b) { return a.place.along < b.place.along; });
   casts_.shrink_to_fit();
   DVec3 sum(0);
   for (const ReadCast& cast : casts_) {

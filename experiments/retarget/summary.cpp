@@ -243,8 +243,9 @@ std::vector<WorseCase> whereAlignedIsWorse(const RetargetResults& results) {
           aligned.medianRms > exact->medianRms + 0.002)
         worse.push_back({i, aligned.kind, aligned.strength, aligned.medianRms, exact->medianRms});
     }
-  std::stable_sort(worse.begin(), worse.end(), [](const WorseCase& a, const WorseCase& b) {
-    return a.aligned - a.exact > b.aligned - b.exact;
+  std::sort(worse.begin(), worse.end(), [](const WorseCase& a, const WorseCase& b) {
+    return std::tuple(b.aligned - b.exact, a.subject, a.kind, a.strength) <
+           std::tuple(a.aligned - a.exact, b.subject, b.kind, b.strength);
   });
   return worse;
 }

@@ -7,10 +7,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "sculpt/cli/history_views.h"
+#include "sculpt/pen_strokes.h"
 #include "sculpt/replay.h"
 
 namespace restroke::bench {
@@ -31,8 +37,7 @@ double rank(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-void paperScale(bool smoke) {
-  const auto log = sculpt::readLog(RESTROKE_SOURCE_DIR "/experiments/examples/paper-scale.log");
+void cancelEach(const std::string& name, const sculpt::StrokeLog& log, bool smoke) {
   constexpr Execution kOne{.threads = 1};
   Document document = sculpt::replay(log, {}, kOne);
   std::vector<double> replay, rebuild, cancel, restore, jump;
@@ -56,7 +61,7 @@ void paperScale(bool smoke) {
     }
   }
   const double median = rank(cancel, 0.5);
-  fmt::print("{} strokes, {} primitives, {} surfels, one thread, microseconds\n",
+  fmt::print("{}: {} strokes, {} primitives, {} surfels, one thread, microseconds\n", name,
              document.history().size() - 1, document.model().list().size(), document.model().surfelCount());
   fmt::print("  replay from the start   {:>10.0f}   {:>6.1f} times a cancel\n", rank(replay, 0.5),
              rank(replay, 0.5) / median);
@@ -69,6 +74,20 @@ void paperScale(bool smoke) {
              rank(retargeted, 0.5), rank(retargeted, 1), rank(changed, 0.5), rank(changed, 1));
   fmt::print("  bytes: history {}, model {}, kept to avoid casting {}\n\n", document.history().bytes(),
              document.model().bytes().total(), document.cacheBytes());
+}
+
+void cancelEachOf(bool smoke) {
+  const std::filesystem::path examples = RESTROKE_SOURCE_DIR "/experiments/examples";
+  cancelEach("paper-scale.log", sculpt::readLog(examples / "paper-scale.log"), smoke);
+  if (smoke) return;
+  cancelEach("rabbit.log", sculpt::readLog(examples / "rabbit.log"), smoke);
+  // Real drawings, whose strokes cross and lie on each other.
+  const std::filesystem::path strokes = RESTROKE_SHARED_DIR "/data/strokes";
+  for (const char* name : {"excalidraw_valentine.json", "excalidraw_line_drawings.json"})
+    if (std::filesystem::exists(strokes / name))
+      cancelEach(name,
+                 sculpt::readPenStrokes(strokes / name, {.base = {}, .mode = sculpt::PenMode::Alternate}),
+                 smoke);
 }
 
 /// Strokes side by side all over a ball that is as large as they need.
@@ -95,15 +114,18 @@ sculpt::StrokeLog spreadLog(std::size_t strokes) {
   return log;
 }
 
-void growth(bool smoke) {
-  fmt::print("strokes   replay ms   cancel us: median   99 %   goto 10 back us: median   undo us: median\n");
-  for (const std::size_t strokes : {std::size_t{100}, std::size_t{1000}, std::size_t{10000}}) {
-    if (smoke && strokes > 100) break;
+void growth(const std::vector<std::size_t>& lengths, std::FILE* csv) {
+  const char* columns = "strokes,replay_us,cancel_us,cancel_p99_us,goto_us,undo_us,show_us_per_node";
+  if (csv) fmt::print(csv, "{}\n", columns);
+  fmt::print("microseconds, medians of 100; goto: ten strokes back\n");
+  fmt::print("{:>8} {:>12} {:>8} {:>12} {:>8} {:>8} {:>14}\n", "strokes", "replay", "cancel", "cancel, 99 %",
+             "goto", "undo", "show, a node");
+  for (const std::size_t strokes : lengths) {
     const auto log = spreadLog(strokes);
-    const auto start = Clock::now();
-    Document document = sculpt::replay(log, {}, {.threads = 1});
-    const double replay = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-    std::vector<double> cancel, jump, undo;
+    std::optional<Document> made;
+    const double replay = microseconds([&] { made = sculpt::replay(log, {}, {.threads = 1}); });
+    Document& document = *made;
+    std::vector<double> cancel, jump, undo, show;
     for (std::size_t i = 0; i < 100; ++i) {
       const NodeId node{static_cast<std::uint32_t>(1 + i * strokes / 100)};
       cancel.push_back(microseconds([&] { document.apply(sculpt::CancelCommand{{}, node}); }));
@@ -115,16 +137,26 @@ void growth(bool smoke) {
       undo.push_back(microseconds([&] { document.apply(sculpt::UndoCommand{}); }));
       document.apply(sculpt::RedoCommand{});
     }
-    fmt::print("{:>7}   {:>9.0f}   {:>17.0f}   {:>4.0f}   {:>23.0f}   {:>15.0f}\n", strokes, replay,
-               rank(cancel, 0.5), rank(cancel, 0.99), rank(jump, 0.5), rank(undo, 0.5));
+    for (int i = 0; i < 3; ++i)
+      show.push_back(microseconds([&] { (void)cli::treeText(document.history()); }) /
+                     static_cast<double>(document.history().size()));
+    fmt::print("{:>8} {:>12.0f} {:>8.0f} {:>12.0f} {:>8.0f} {:>8.0f} {:>14.2f}\n", strokes, replay,
+               rank(cancel, 0.5), rank(cancel, 0.99), rank(jump, 0.5), rank(undo, 0.5), rank(show, 0.5));
+    if (csv)
+      fmt::print(csv, "{},{},{},{},{},{},{}\n", strokes, replay, rank(cancel, 0.5), rank(cancel, 0.99),
+                 rank(jump, 0.5), rank(undo, 0.5), rank(show, 0.5));
   }
 }
 
 }  // namespace
 }  // namespace restroke::bench
 
+// bench_edits [--smoke | --csv FILE]
 int main(int argc, char** argv) {
   const bool smoke = argc > 1 && std::strcmp(argv[1], "--smoke") == 0;
-  restroke::bench::paperScale(smoke);
-  restroke::bench::growth(smoke);
+  std::FILE* csv = argc > 2 && std::strcmp(argv[1], "--csv") == 0 ? std::fopen(argv[2], "w") : nullptr;
+  restroke::bench::cancelEachOf(smoke);
+  restroke::bench::growth(
+      smoke ? std::vector<std::size_t>{100} : std::vector<std::size_t>{100, 300, 1000, 3000, 10000}, csv);
+  if (csv) std::fclose(csv);
 }

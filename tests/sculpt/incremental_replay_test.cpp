@@ -196,6 +196,65 @@ TEST(IncrementalReplay, S7MappedStrokesFollowATransformOfTheBase) {
   }
 }
 
+/// A stone that looks the same from no two sides.
+implicit::Shape stone() {
+  const auto hull =
+      implicit::volumeKindNamed("convexPolyhedron").make({{{1.1f,  0,     0.1f, -0.8f,  0.2f,  0,     0.1f,
+                                                            0.9f,  -0.2f, 0,    -0.7f,  0.15f, 0.2f,  0.1f,
+                                                            0.95f, -0.1f, 0.2f, -0.75f, 0.6f,  0.55f, 0.5f,
+                                                            -0.5f, -0.6f, 0.4f, 0.5f,   -0.4f, -0.5f}}});
+  return std::make_shared<const implicit::PosedVolume>(hull, implicit::Pose{});
+}
+
+// S10: nobody tells the method what the transform was.
+TEST(IncrementalReplay, S10AlignedStrokesFollowABaseThatTellsHowItMoved) {
+  LogHeader header = coarseHeader();
+  header.base = stone();
+  header.density = 2000;
+  Document document(header);
+  StrokeCommand drawn = line(0);
+  drawn.method = Method::Aligned;
+  drawn.brush.radii = Radii::Follow;
+  ASSERT_GT(document.apply(drawn).primitivesAdded, 10u);
+  std::vector<implicit::Primitive> before;
+  for (std::size_t i = 1; i < document.model().list().size(); ++i)
+    before.push_back(document.model().list().at(i));
+  const double strokeLength =
+      length(DVec3(before.front().shape.ball().center - before.back().shape.ball().center));
+  const Affine map = affineNamed("rotate 1 2 3 40; scale 1.3; translate 0.5 -0.25 1", "test");
+  const CommandReport report = document.apply(TransformCommand{{}, matrixOf(map)});
+  EXPECT_TRUE(report.notes.empty()) << report.notes.front();
+  ASSERT_EQ(report.recasts.size(), 1u);
+  EXPECT_NEAR(static_cast<double>(report.recasts[0].scale), 1.3, 0.01);
+  ASSERT_EQ(document.model().list().size(), before.size() + 1);
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const implicit::Sphere ball = document.model().list().at(i + 1).shape.ball();
+    EXPECT_LT(length(DVec3(ball.center) - map.point(DVec3(before[i].shape.ball().center))),
+              0.02 * strokeLength)
+        << i;
+  }
+  // Back on the shape that it was drawn on, it is where it was drawn.
+  document.apply(UndoCommand{});
+  for (std::size_t i = 0; i < before.size(); ++i)
+    EXPECT_EQ(document.model().list().at(i + 1), before[i]) << i;
+}
+
+TEST(IncrementalReplay, S10AlignedStrokesOnABallSayThatNothingTellsTheMotionAndAreCast) {
+  Document document(coarseHeader());
+  StrokeCommand drawn = line(0);
+  drawn.method = Method::Aligned;
+  document.apply(drawn);
+  const CommandReport report =
+      document.apply(TransformCommand{{}, matrixOf(affineNamed("translate 0.1 0 0", "test"))});
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_NE(report.notes[0].find("node 1: aligned: no motion is known"), std::string::npos)
+      << report.notes[0];
+  Document cast(coarseHeader());
+  cast.apply(line(0));
+  cast.apply(TransformCommand{{}, matrixOf(affineNamed("translate 0.1 0 0", "test"))});
+  EXPECT_EQ(document.model().stateHash(), cast.model().stateHash());
+}
+
 TEST(IncrementalReplay, S7FixedStrokesStayWhereTheyWereWhateverBecomesOfTheBase) {
   Document document(coarseHeader());
   StrokeCommand drawn = line(10);
