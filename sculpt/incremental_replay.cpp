@@ -174,8 +174,12 @@ void Document::insertNode(Walk& walk, NodeId node) {
 }
 
 void Document::keepNode(Walk& walk, PlacedNode placed) {
-  const bool touched = placed.reads && (placed.reads->everything() ? walk.baseMoved || !walk.changes.empty()
-                                                                   : placed.reads->touchedBy(walk.changes));
+  // The bounds are at hand; the reads themselves lie elsewhere in memory, and most nodes are far from any
+  // change.
+  const auto mayTouch = [&](const ChangedPlaces& change) { return change.mayMeet(placed.readBounds); };
+  const bool isNear = std::any_of(walk.changes.begin(), walk.changes.end(), mayTouch);
+  const bool touched = (isNear || walk.baseMoved) && placed.reads &&
+                       (placed.reads->everything() || (isNear && placed.reads->touchedBy(walk.changes)));
   if (touched) recast(walk, placed);
   walk.at += placed.count;
   placed_.push_back(std::move(placed));

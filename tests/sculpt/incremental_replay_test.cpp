@@ -304,6 +304,20 @@ TEST(IncrementalReplay, ATransformThatTheBaseCannotTakeIsRefusedAndNothingHasCha
   EXPECT_EQ(document.history().size(), 2u);
 }
 
+// Refused only when the shape is made: the tree goes back, and the shape with it.
+TEST(IncrementalReplay, ABaseWithMoreSamplesThanCanBeHeldIsRefusedAndNothingHasChanged) {
+  Document document(coarseHeader());
+  document.apply(line(0));
+  document.apply(line(0, Mode::Carve));
+  const std::uint64_t before = document.model().stateHash();
+  EXPECT_THROW(document.apply(BaseCommand{{}, implicit::Shape(Point(0), 9e5f)}), InputError);
+  EXPECT_EQ(document.model().stateHash(), before);
+  EXPECT_EQ(document.history().size(), 3u);
+  EXPECT_EQ(document.history().cursor(), NodeId{2});
+  document.apply(CancelCommand{{}, NodeId{1}});
+  EXPECT_EQ(document.model().stateHash(), fromScratch(document));
+}
+
 // Every stroke of real drawings cancelled and restored, one at a time.
 TEST(IncrementalReplay, S8CancellingEachRealStrokeEqualsAReplayOfEverything) {
   const auto data = sharedData();
