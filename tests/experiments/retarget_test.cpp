@@ -169,6 +169,9 @@ void editsAreMeasuredForStrokesBehindThem() {
 }
 
 TEST(Retarget, IsTheSameAtAnyNumberOfThreads) {
+  if (restroke::testing::kSanitized)
+    GTEST_SKIP()
+        << "takes minutes with sanitizers, and the smoke run is the same code; the plain builds run it";
   const Folder folder;
   sculpt::writeLog(folder.path() / "pen.log", sculpt::readPenStrokes(kExamples / "pen.json"));
   const RetargetInput input{.logs = {folder.path() / "pen.log"}};
