@@ -261,10 +261,10 @@ const Recast* Document::recastOf(NodeId node, const Consequences& recorded) {
 void Document::noteRecast(NodeId node, const AppliedStroke& applied, const Recast* recorded,
                           CommandReport& report) {
   if (!applied.kept || !applied.isNew) return;
-  Recast recast = applied.kept->recast;
+  report.recasts.push_back(applied.kept->recast);
+  Recast& recast = report.recasts.back();
   recast.node = node;
   report.outcomeDiffers = report.outcomeDiffers || (recorded && *recorded != recast);
-  report.recasts.push_back(std::move(recast));
 }
 
 std::vector<std::uint32_t> Document::nodeOfPrimitive() const {

@@ -163,7 +163,7 @@ TEST_F(MeshVolumeData, S4CarvedFromASphereTheListComposesThem) {
       if (sides[i] == truth || std::fabs(length(p) - 1) < 1e-5) continue;
       ASSERT_LE(distanceFrom(closed.mesh, local, 2 * near), near) << "point " << i;
     }
-    EXPECT_GT(carved, kPoints / 100);
+    EXPECT_GT(carved, kPoints / 200);
   }
 }
 
