@@ -63,13 +63,15 @@ Outcome runToEnd(const std::vector<std::string>& command) {
 }  // namespace
 
 void drawFigure(const std::string& script, const std::vector<std::string>& arguments) {
-  std::vector<std::string> command = {kPython, shippedFile("plots/" + script).string()};
+  // -B: what the scripts share is imported without leaving anything behind among the sources.
+  const std::string file = shippedFile("plots/" + script).string();
+  std::vector<std::string> command = {kPython, "-B", file};
   command.insert(command.end(), arguments.begin(), arguments.end());
   Outcome outcome = runToEnd(command);
   if (WIFEXITED(outcome.status) && WEXITSTATUS(outcome.status) == 0) return;
   while (!outcome.said.empty() && outcome.said.back() == '\n') outcome.said.pop_back();
   const std::string last = outcome.said.substr(outcome.said.rfind('\n') + 1);
-  throw InputError(fmt::format("figures: {} failed ({}); it needs python3 with matplotlib", command[1],
+  throw InputError(fmt::format("figures: {} failed ({}); it needs python3 with matplotlib", file,
                                last.empty() ? "no reason given" : last));
 }
 

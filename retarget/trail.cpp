@@ -25,6 +25,17 @@ std::optional<TrailPoint> Trail::at(double along) const {
   return TrailPoint{.place = {screen, along}, .hit = hit, .anchor = nearer.anchor};
 }
 
+Trail mapped(const Trail& trail, const SpaceMap& map) {
+  Trail image = trail;
+  for (TrailPoint& point : image.points) {
+    if (!point.hit) continue;
+    const DVec3 was(point.hit->position);
+    point.hit->position = Point(map.point(was));
+    point.hit->normal = Vec3(normalized(map.normal(was, DVec3(point.hit->normal))));
+  }
+  return image;
+}
+
 std::optional<SurfaceHit> TrailRecorder::cast(const StrokePlace& place) {
   const std::optional<SurfaceHit> hit = caster_.cast(place);
   points_.try_emplace(place.along, TrailPoint{place, hit});

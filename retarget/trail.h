@@ -46,6 +46,9 @@ struct Trail {
   [[nodiscard]] std::optional<TrailPoint> at(double along) const;
 };
 
+/// The trail with its hits carried by a map of space, normals of unit length. Who owns a hit is kept.
+[[nodiscard]] Trail mapped(const Trail& trail, const SpaceMap& map);
+
 /// Answers as another caster does, and keeps what was asked and answered.
 class TrailRecorder final : public Caster {
  public:

@@ -120,7 +120,8 @@ class Document {
   void discard(Walk& walk, const PlacedNode& placed);
   void insertNode(Walk& walk, NodeId node);
   void keepNode(Walk& walk, PlacedNode placed);
-  void recast(Walk& walk, PlacedNode& placed);
+  /// True when its primitives are others than before.
+  bool applyInPlace(Walk& walk, PlacedNode& placed, const StrokeCommand& stroke);
   bool replacePrimitives(Walk& walk, PlacedNode& placed, std::span<const implicit::Primitive> primitives);
   [[nodiscard]] static std::string noteOf(NodeId node, const AppliedStroke& applied);
 

@@ -147,28 +147,14 @@ void Document::discard(Walk& walk, const PlacedNode& placed) {
 }
 
 void Document::insertNode(Walk& walk, NodeId node) {
-  const Command command = history_.command(node);
   PlacedNode placed{.node = node};
-  std::vector<implicit::Primitive> primitives;
-  std::size_t misses = 0;
+  const Command command = history_.command(node);
   if (const auto* stroke = std::get_if<StrokeCommand>(&command)) {
-    const Recast* recorded = recastOf(node, walk.recorded);
-    AppliedStroke applied =
-        Evaluation(history_, chains_)
-            .apply(node, *stroke, site(placed_, walk.at),
-                   {.recorded = recorded, .recompute = options_.recompute, .keepTrail = options_.keepTrails});
-    store(node, applied);
-    noteRecast(node, applied, recorded, walk.report);
-    if (!applied.note.empty()) walk.report.notes.push_back(noteOf(node, applied));
-    primitives = primitivesOf(applied.outcome, stroke->brush);
-    misses = applied.outcome.misses;
-    placed.setReads(std::move(applied.reads));
+    applyInPlace(walk, placed, *stroke);
   } else {
-    primitives = primitivesOf(std::get<FixedCommand>(command));
+    replacePrimitives(walk, placed, primitivesOf(std::get<FixedCommand>(command)));
+    history_.setResult(node, {.stamps = placed.count, .misses = 0});
   }
-  walk.report.misses += misses;
-  replacePrimitives(walk, placed, primitives);
-  history_.setResult(node, {.stamps = placed.count, .misses = static_cast<std::uint32_t>(misses)});
   walk.at += placed.count;
   placed_.push_back(std::move(placed));
 }
@@ -180,14 +166,17 @@ void Document::keepNode(Walk& walk, PlacedNode placed) {
   const bool isNear = std::any_of(walk.changes.begin(), walk.changes.end(), mayTouch);
   const bool touched = (isNear || walk.baseMoved) && placed.reads &&
                        (placed.reads->everything() || (isNear && placed.reads->touchedBy(walk.changes)));
-  if (touched) recast(walk, placed);
+  if (touched) {
+    ++walk.report.retargeted;
+    const auto stroke = std::get<StrokeCommand>(history_.command(placed.node));
+    if (applyInPlace(walk, placed, stroke)) ++walk.report.changed;
+  }
   walk.at += placed.count;
   placed_.push_back(std::move(placed));
 }
 
-void Document::recast(Walk& walk, PlacedNode& placed) {
+bool Document::applyInPlace(Walk& walk, PlacedNode& placed, const StrokeCommand& stroke) {
   const NodeId node = placed.node;
-  const auto stroke = std::get<StrokeCommand>(history_.command(node));
   const Recast* recorded = recastOf(node, walk.recorded);
   AppliedStroke applied = Evaluation(history_, chains_)
                               .apply(node, stroke, site(placed_, walk.at),
@@ -198,12 +187,12 @@ void Document::recast(Walk& walk, PlacedNode& placed) {
   store(node, applied);
   noteRecast(node, applied, recorded, walk.report);
   if (!applied.note.empty()) walk.report.notes.push_back(noteOf(node, applied));
-  ++walk.report.retargeted;
   walk.report.misses += applied.outcome.misses;
   placed.setReads(std::move(applied.reads));
-  if (replacePrimitives(walk, placed, primitivesOf(applied.outcome, stroke.brush))) ++walk.report.changed;
+  const bool changed = replacePrimitives(walk, placed, primitivesOf(applied.outcome, stroke.brush));
   history_.setResult(node,
                      {.stamps = placed.count, .misses = static_cast<std::uint32_t>(applied.outcome.misses)});
+  return changed;
 }
 
 bool Document::replacePrimitives(Walk& walk, PlacedNode& placed,

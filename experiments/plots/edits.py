@@ -11,6 +11,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
+from whole_files import save  # noqa: E402
+
 LINES = [("replay_us", "replay from the start", "#555555", "o"), ("goto_us", "goto, ten strokes back", "#3565c4", "s"),
          ("cancel_us", "cancel one stroke", "#cf3b32", "D"), ("undo_us", "undo", "#3f9b57", "^"),
          ("show_us_per_node", "show, each node", "#b08900", "v")]
@@ -37,7 +39,7 @@ def main(table: str, picture: str) -> int:
     axes.grid(True, which="major", alpha=0.4)
     axes.legend(fontsize=9, loc="center left", bbox_to_anchor=(0.02, 0.22))
     figure.tight_layout()
-    figure.savefig(picture, dpi=130)
+    save(figure, picture, dpi=130)
     return 0
 
 

@@ -15,6 +15,8 @@ matplotlib.use("Agg")
 matplotlib.rcParams.update({"font.family": "DejaVu Sans"})
 import matplotlib.pyplot as plt  # noqa: E402
 
+from whole_files import save  # noqa: E402
+
 DPI = 100
 STRIP = 92  # pixels, for the words
 
@@ -40,13 +42,7 @@ def main():
         middle = (i + 0.5) / len(shown)
         for y, text, size, colour in ((62, f"({name})", 21, "#222222"), (20, what, 18, "#444444")):
             figure.text(middle, y / (height + STRIP), text, ha="center", va="center", fontsize=size, color=colour)
-    part = f"{out}.tmp-{os.getpid()}"
-    try:
-        figure.savefig(part, format="png", dpi=DPI)
-        os.replace(part, out)
-    finally:
-        if os.path.exists(part):
-            os.remove(part)
+    save(figure, out, dpi=DPI)
 
 
 if __name__ == "__main__":

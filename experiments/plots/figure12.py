@@ -8,7 +8,6 @@ The logarithmic one holds everything.
 """
 
 import csv
-import os
 import sys
 
 import matplotlib
@@ -28,6 +27,8 @@ matplotlib.rcParams.update({
 })
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.ticker import FuncFormatter, MaxNLocator  # noqa: E402
+
+from whole_files import save_both  # noqa: E402
 
 # name in the table: label, colour, line, marker. Ours is drawn strongest; what the paper counts is dashed.
 STYLES = {
@@ -110,15 +111,7 @@ def draw(series, names, logarithmic, title, prefix):
                       va="center", fontsize=9.5, annotation_clip=False,
                       arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 0.6, "shrinkA": 1, "shrinkB": 2})
     kind = "log" if logarithmic else "linear"
-    for ending in ("png", "svg"):
-        path = f"{prefix}-{kind}.{ending}"
-        part = f"{path}.tmp-{os.getpid()}"
-        try:
-            figure.savefig(part, format=ending, metadata={"Date": None} if ending == "svg" else None)
-            os.replace(part, path)
-        finally:
-            if os.path.exists(part):
-                os.remove(part)
+    save_both(figure, f"{prefix}-{kind}")
     plt.close(figure)
 
 

@@ -7,7 +7,6 @@ and writes PREFIX.png and PREFIX.svg: a panel for each change, a line for each m
 """
 
 import csv
-import os
 import sys
 
 import matplotlib
@@ -28,6 +27,8 @@ matplotlib.rcParams.update({
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.ticker import NullFormatter, NullLocator  # noqa: E402
+
+from whole_files import save_both  # noqa: E402
 
 # Method: colour, line, marker, width. What only looks is blue, what follows the surface green, what follows motions red.
 STYLES = {
@@ -100,15 +101,7 @@ def draw(panels, prefix):
                            hspace=0.42, wspace=0.08)
     figure.legend(handles, [m for m in STYLES if m in used], loc="upper left", ncols=min(len(used), 9), frameon=False,
                   fontsize=9, handlelength=2.2, columnspacing=1.2, bbox_to_anchor=(0.0, 1.0))
-    for ending in ("png", "svg"):
-        path = f"{prefix}.{ending}"
-        part = f"{path}.tmp-{os.getpid()}"
-        try:
-            figure.savefig(part, format=ending, metadata={"Date": None} if ending == "svg" else None)
-            os.replace(part, path)
-        finally:
-            if os.path.exists(part):
-                os.remove(part)
+    save_both(figure, prefix)
     plt.close(figure)
 
 

@@ -129,13 +129,7 @@ OffSurface offSurface(const retarget::Trail& trail, const retarget::SurfaceDista
 
 RetargetTrial measured(const DrawnStroke& stroke, const ChangedBase& base, const retarget::Trail& found,
                        double baseSize) {
-  retarget::Trail truth = stroke.trail;
-  for (retarget::TrailPoint& p : truth.points) {
-    if (!p.hit) continue;
-    const DVec3 was(p.hit->position);
-    p.hit->position = Point(base.change->map->point(was));
-    p.hit->normal = Vec3(normalized(base.change->map->normal(was, DVec3(p.hit->normal))));
-  }
+  const retarget::Trail truth = retarget::mapped(stroke.trail, *base.change->map);
   const retarget::StrokeObservations seen = retarget::observe(
       {.result = found, .truth = &truth, .original = &stroke.trail, .camera = stroke.stroke.camera});
   const retarget::Measures m = retarget::summarise({&seen, 1});

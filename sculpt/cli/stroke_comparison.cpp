@@ -13,16 +13,6 @@ namespace restroke::cli {
 
 namespace {
 
-retarget::Trail mapped(const retarget::Trail& trail, const Affine& map) {
-  retarget::Trail image = trail;
-  for (retarget::TrailPoint& point : image.points) {
-    if (!point.hit) continue;
-    point.hit->position = Point(map.point(DVec3(point.hit->position)));
-    point.hit->normal = Vec3(normalized(map.normal(DVec3(point.hit->normal))));
-  }
-  return image;
-}
-
 /// JSON has no NaN: what was not observed is null.
 nlohmann::ordered_json number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
@@ -71,7 +61,7 @@ StrokeComparison::StrokeComparison(const sculpt::Document& before, const sculpt:
     if (!result) continue;
     const auto stroke = std::get<sculpt::StrokeCommand>(after.history().command(place.node));
     std::optional<retarget::Trail> truth;
-    if (map && original) truth = mapped(*original, *map);
+    if (map && original) truth = retarget::mapped(*original, AffineMap(*map));
     retarget::RetargetedStroke compared{
         .result = *result, .original = original, .camera = stroke.stroke.camera, .execution = execution};
     if (truth) compared.truth = &*truth;

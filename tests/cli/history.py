@@ -6,58 +6,31 @@ sentence, drawn, and the same after a replay of the file (SPEC S8).
 import json
 import os
 import shutil
-import subprocess
 import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree as xml
 
-RESTROKE = RABBIT = None
+import bad_input
+from bad_input import BRUSH, HEADER
 
-HEADER = ('{"restroke":1,"unit":"mm","density":300,"grid":1.5258789e-05,'
-          '"base":{"sphere":{"center":[0,0,0],"radius":1}}}\n')
-CAMERA = ('"camera":{"position":[0,0,4],"view":[0,0,-1],"up":[0,1,0],"halfHeight":0.3,"viewport":[400,400],'
-          '"near":0.1,"far":10},')
+RABBIT = None
 
 
 def stroke(row, mode="add", method="exact"):
-    points = [[2400 + 160 * i, row, 8 * i, 512] for i in range(11)]
-    return ('{"stroke":{%s"brush":{"radius":0.1,"spacing":0.25,"pressureToRadius":0,"mode":"%s"},'
-            '"method":"%s","points":%s}}\n' % (CAMERA, mode, method, json.dumps(points)))
+    return bad_input.stroke([[2400 + 160 * i, row, 8 * i, 512] for i in range(11)],
+                            brush=BRUSH.replace('"add"', '"%s"' % mode), method=method)
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix="restroke-test-")
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
+class Case(bad_input.Case):
     def log(self, *lines, name="a.log"):
-        with open(self.path(name), "w") as file:
-            file.write(HEADER + "".join(lines))
-        return self.path(name)
+        return self.file(name, HEADER + "".join(lines))
 
     def text(self, path):
         with open(path) as file:
             return file.read()
 
-    def restroke(self, *arguments):
-        return subprocess.run([RESTROKE, *arguments], capture_output=True, text=True)
-
     def json(self, *arguments):
-        done = self.restroke(*arguments, "--json", "-")
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return json.loads(done.stdout)
-
-    def refused(self, log, *arguments, says):
-        before = self.text(log)
-        done = self.restroke("history", log, *arguments)
-        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
-        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-        self.assertIn(says, done.stderr)
-        self.assertEqual(self.text(log), before)
+        return json.loads(self.accepted(*arguments, "--json", "-").stdout)
 
     def hash(self, log, *arguments):
         return self.json("replay", log, *arguments)["state_hash"]
@@ -187,7 +160,7 @@ class Refusals(Case):
                 (["transform", "scale 0"], "scales by a factor that is not more than 0"),
                 (["transform", "turn 1"], "\"turn 1\" is not understood"),
                 (["prune", "1"], "\"prune\" is not an action")]:
-            self.refused(log, *arguments, says=says)
+            self.refused("history", log, *arguments, says=says)
 
     def test_a_log_whose_command_refers_to_a_later_node_names_the_line(self):
         log = self.log(stroke(3200), '{"cancel":{"node":2}}\n', stroke(3000))
@@ -222,7 +195,7 @@ class Refusals(Case):
         self.json("history", log, "base", mesh)
         with open(mesh, "w") as file:
             file.write(cube.replace("1 1 1", "1 1 2"))
-        self.refused(log, "cancel", "1", says="hash")
+        self.refused("history", log, "cancel", "1", says="hash")
 
 
 class Drawing(Case):
@@ -242,7 +215,7 @@ class Drawing(Case):
         self.assertIn('opacity="0.35"', whole)
 
     def test_a_drawing_that_cannot_be_written_is_refused_before_the_work(self):
-        self.refused(self.log(stroke(3200)), "show", "--svg", "/no/such/folder/tree.svg", says="/no/such/folder")
+        self.refused("history", self.log(stroke(3200)), "show", "--svg", "/no/such/folder/tree.svg", says="/no/such/folder")
 
 
 class Shipped(Case):
@@ -265,5 +238,6 @@ class Shipped(Case):
 
 
 if __name__ == "__main__":
-    RESTROKE, RABBIT = sys.argv[1:3]
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    bad_input.RESTROKE = os.path.abspath(sys.argv.pop(1))
+    RABBIT = os.path.abspath(sys.argv.pop(1))
+    unittest.main(verbosity=2)

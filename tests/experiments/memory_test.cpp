@@ -3,7 +3,6 @@
 #include "experiments/memory.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -14,6 +13,7 @@
 #include "experiments/provenance.h"
 #include "implicit/errors.h"
 #include "sculpt/stroke_log.h"
+#include "tests/experiments/folder.h"
 
 namespace restroke::experiments {
 namespace {
@@ -21,23 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kExamples = fs::path(RESTROKE_SOURCE_DIR) / "experiments" / "examples";
-
-class Folder {
- public:
-  Folder()
-      : path_(fs::temp_directory_path() /
-              ("restroke-memory-" + std::to_string(::getpid()) + "-" + std::to_string(count_++))) {
-    fs::create_directories(path_);
-  }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  static inline int count_ = 0;
-  fs::path path_;
-};
 
 fs::path stampFile(const Folder& folder, const std::string& name, const std::string& text) {
   const fs::path file = folder.path() / name;

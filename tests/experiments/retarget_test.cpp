@@ -3,7 +3,6 @@
 #include "experiments/retarget.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "implicit/errors.h"
 #include "sculpt/pen_strokes.h"
 #include "sculpt/stroke_log.h"
+#include "tests/experiments/folder.h"
 #include "tests/support/effort.h"
 
 namespace restroke::experiments {
@@ -26,23 +26,6 @@ namespace fs = std::filesystem;
 using retarget::Method;
 
 const fs::path kExamples = fs::path(RESTROKE_SOURCE_DIR) / "experiments" / "examples";
-
-class Folder {
- public:
-  Folder()
-      : path_(fs::temp_directory_path() /
-              ("restroke-retarget-" + std::to_string(::getpid()) + "-" + std::to_string(count_++))) {
-    fs::create_directories(path_);
-  }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  static inline int count_ = 0;
-  fs::path path_;
-};
 
 /// OpenGL is not asked for: not every machine that tests has it, and results are to be the same.
 RetargetOptions tiny() {
