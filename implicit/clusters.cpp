@@ -35,32 +35,31 @@ Cell ClusterGrid::cellAt(DVec3 p) const {
 std::size_t ClusterGrid::find(Cell c) const {
   const std::size_t mask = entries_.size() - 1;
   std::size_t i = hashOf(c) & mask;
-  while (entries_[i].used && entries_[i].cell != c) i = (i + 1) & mask;
+  while (entries_[i].list != Lists::kNone && entries_[i].cell != c) i = (i + 1) & mask;
   return i;
 }
 
 std::span<const std::uint32_t> ClusterGrid::at(Cell c) const {
   if (entries_.empty()) return {};
-  const Entry& e = entries_[find(c)];
-  return e.used ? std::span<const std::uint32_t>(e.slots) : std::span<const std::uint32_t>();
+  return listOf(entries_[find(c)]);
 }
 
 void ClusterGrid::grow() {
   std::vector<Entry> old(entries_.empty() ? 64 : entries_.size() * 2);
   old.swap(entries_);
-  for (Entry& e : old)
-    if (e.used) entries_[find(e.cell)] = std::move(e);
+  for (const Entry& e : old)
+    if (e.list != Lists::kNone) entries_[find(e.cell)] = e;
 }
 
-std::vector<std::uint32_t>& ClusterGrid::listFor(Cell c) {
+ClusterGrid::Entry& ClusterGrid::entryFor(Cell c) {
   if (2 * (usedEntries_ + 1) > entries_.size()) grow();
   Entry& e = entries_[find(c)];
-  if (!e.used) {
-    e.used = true;
+  if (e.list == Lists::kNone) {
     e.cell = c;
+    e.list = lists_->take(1);
     ++usedEntries_;
   }
-  return e.slots;
+  return e;
 }
 
 namespace {
@@ -76,11 +75,14 @@ void forCells(const ClusterGrid& grid, const Box& box, const F& f) {
       for (std::int32_t x = lo.x; x <= hi.x; ++x) f(Cell{x, y, z});
 }
 
-auto placeOf(const std::vector<std::uint32_t>& list, std::uint32_t slot, ClusterGrid::Labels labels) {
+// Where in the list the slot is, or belongs.
+std::uint32_t placeOf(std::span<const std::uint32_t> list, std::uint32_t slot, ClusterGrid::Labels labels) {
   const std::uint64_t label = labels[slot];
-  if (!list.empty() && labels[list.back()] < label) return list.end();
-  return std::lower_bound(list.begin(), list.end(), label,
-                          [&](std::uint32_t s, std::uint64_t l) { return labels[s] < l; });
+  const auto count = static_cast<std::uint32_t>(list.size());
+  if (list.empty() || labels[list.back()] < label) return count;
+  const auto place = std::lower_bound(list.begin(), list.end(), label,
+                                      [&](std::uint32_t s, std::uint64_t l) { return labels[s] < l; });
+  return static_cast<std::uint32_t>(place - list.begin());
 }
 
 }  // namespace
@@ -89,34 +91,47 @@ void ClusterGrid::insert(std::uint32_t slot, const Box& box, Labels labels) {
   if (size_++ == 0) hull_ = Box{};
   hull_.add(box);
   forCells(*this, box, [&](Cell c) {
-    std::vector<std::uint32_t>& list = listFor(c);
-    list.insert(placeOf(list, slot, labels), slot);
+    Entry& e = entryFor(c);
+    const std::uint32_t place = placeOf(listOf(e), slot, labels);
+    if (e.count != 0 && Lists::capacityFor(e.count) == e.count) {
+      const Lists::Handle larger = lists_->take(e.count + 1);
+      std::copy_n(lists_->at(e.list), e.count, lists_->at(larger));
+      lists_->giveBack(e.list, e.count);
+      e.list = larger;
+    }
+    std::uint32_t* list = lists_->at(e.list);
+    std::copy_backward(list + place, list + e.count, list + e.count + 1);
+    list[place] = slot;
+    ++e.count;
   });
 }
 
 void ClusterGrid::remove(std::uint32_t slot, const Box& box, Labels labels) {
   --size_;
   forCells(*this, box, [&](Cell c) {
-    std::vector<std::uint32_t>& list = entries_[find(c)].slots;
-    const auto place = placeOf(list, slot, labels);
-    RESTROKE_CHECK_EQ(place != list.end() && *place == slot, true);
-    list.erase(place);
+    Entry& e = entries_[find(c)];
+    const std::uint32_t place = placeOf(listOf(e), slot, labels);
+    std::uint32_t* list = lists_->at(e.list);
+    RESTROKE_CHECK_EQ(place < e.count && list[place] == slot, true);
+    std::copy(list + place + 1, list + e.count, list + place);
+    --e.count;
+    // The room stays that of the ladder's step, so that it need not be kept.
+    if (e.count != 0 && Lists::capacityFor(e.count) == e.count) {
+      const Lists::Handle smaller = lists_->take(e.count);
+      std::copy_n(list, e.count, lists_->at(smaller));
+      lists_->giveBack(e.list, e.count + 1);
+      e.list = smaller;
+    }
   });
 }
 
-std::size_t ClusterGrid::bytes() const {
-  std::size_t bytes = entries_.capacity() * sizeof(Entry);
-  for (const Entry& e : entries_) bytes += e.slots.capacity() * sizeof(std::uint32_t);
-  return bytes;
-}
-
-Clusters::Clusters(ClusterOptions options) {
+Clusters::Clusters(ClusterOptions options) : lists_(std::make_unique<ClusterGrid::Lists>()) {
   if (!(std::isfinite(options.cell) && options.cell > 0))
     throw InputError(
         fmt::format("the cluster size is {}; it must be finite and greater than 0", options.cell));
   float cell = options.cell;
   for (int i = 0; i < kFinerGrids; ++i) cell /= kGridRatio;
-  for (int i = 0; i < kGrids; ++i, cell *= kGridRatio) grids_.emplace_back(cell);
+  for (int i = 0; i < kGrids; ++i, cell *= kGridRatio) grids_.emplace_back(cell, *lists_);
 }
 
 ClusterGrid& Clusters::gridFor(const Box& box) {
@@ -136,7 +151,7 @@ std::size_t Clusters::finestInUse() const {
 }
 
 std::size_t Clusters::bytes() const {
-  std::size_t bytes = grids_.capacity() * sizeof(ClusterGrid);
+  std::size_t bytes = grids_.capacity() * sizeof(ClusterGrid) + sizeof(*lists_) + lists_->bytes();
   for (const ClusterGrid& grid : grids_) bytes += grid.bytes();
   return bytes;
 }

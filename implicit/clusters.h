@@ -5,9 +5,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "implicit/arena.h"
 #include "implicit/geometry/box.h"
 
 namespace restroke::implicit {
@@ -31,7 +33,10 @@ struct Cell {
 /// was.
 class ClusterGrid {
  public:
-  explicit ClusterGrid(float cell) : cell_(cell) {}
+  /// Lists of slots, of all grids.
+  using Lists = Arena<std::uint32_t>;
+
+  ClusterGrid(float cell, Lists& lists) : cell_(cell), lists_(&lists) {}
 
   [[nodiscard]] float cell() const { return cell_; }
   [[nodiscard]] Cell cellAt(DVec3 p) const;
@@ -46,9 +51,9 @@ class ClusterGrid {
         static_cast<double>(entries_.size())) {
       for (const Entry& e : entries_) {
         const Cell& c = e.cell;
-        if (e.used && !e.slots.empty() && low.x <= c.x && c.x <= high.x && low.y <= c.y && c.y <= high.y &&
-            low.z <= c.z && c.z <= high.z)
-          f(std::span<const std::uint32_t>(e.slots));
+        if (e.count != 0 && low.x <= c.x && c.x <= high.x && low.y <= c.y && c.y <= high.y && low.z <= c.z &&
+            c.z <= high.z)
+          f(listOf(e));
       }
       return;
     }
@@ -69,19 +74,25 @@ class ClusterGrid {
   using Labels = std::span<const std::uint64_t>;  ///< list order of each slot
   void insert(std::uint32_t slot, const Box& box, Labels labels);
   void remove(std::uint32_t slot, const Box& box, Labels labels);
-  [[nodiscard]] std::size_t bytes() const;
+  /// Without the lists.
+  [[nodiscard]] std::size_t bytes() const { return entries_.capacity() * sizeof(Entry); }
 
  private:
   struct Entry {
     Cell cell;
-    bool used = false;
-    std::vector<std::uint32_t> slots;
+    std::uint32_t count = 0;
+    Lists::Handle list = Lists::kNone;  // none: the entry was never used
   };
   [[nodiscard]] std::size_t find(Cell c) const;
-  std::vector<std::uint32_t>& listFor(Cell c);
+  [[nodiscard]] std::span<const std::uint32_t> listOf(const Entry& e) const {
+    return e.count == 0 ? std::span<const std::uint32_t>()
+                        : std::span<const std::uint32_t>(lists_->at(e.list), e.count);
+  }
+  Entry& entryFor(Cell c);
   void grow();
 
   float cell_;
+  Lists* lists_;
   std::size_t size_ = 0;
   std::size_t usedEntries_ = 0;
   Box hull_;
@@ -138,6 +149,7 @@ class Clusters {
 
  private:
   [[nodiscard]] ClusterGrid& gridFor(const Box& box);
+  std::unique_ptr<ClusterGrid::Lists> lists_;  // where it stays when the clusters are moved
   std::vector<ClusterGrid> grids_;
 };
 

@@ -14,35 +14,77 @@ DropBall dropBall(const Shape& shape) {
   return {s.center.x, s.center.y, s.center.z, s.radius + t.slack, t.dropRadius * t.dropRadius, nullptr};
 }
 
+// Open addressing with linear probing; at most half full.
+bool NearBalls::isNew(std::uint32_t slot) {
+  if (2 * (found_.size() + 1) > seen_.size()) growSeen();
+  const std::uint64_t key = round_ << 32 | slot;
+  const std::size_t mask = seen_.size() - 1;
+  for (std::size_t i = (slot * 0x9E3779B1u >> 7) & mask;; i = (i + 1) & mask) {
+    if (seen_[i] == key) return false;
+    if (seen_[i] >> 32 == round_) continue;
+    seen_[i] = key;
+    return true;
+  }
+}
+
+void NearBalls::growSeen() {
+  seen_.assign(4 * seen_.size(), 0);
+  const std::size_t mask = seen_.size() - 1;
+  for (const Found& f : found_) {
+    std::size_t i = (f.slot * 0x9E3779B1u >> 7) & mask;
+    while (seen_[i] != 0) i = (i + 1) & mask;
+    seen_[i] = round_ << 32 | f.slot;
+  }
+}
+
 void NearBalls::gather(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
                        PrimitiveList::Label own) {
   found_.clear();
-  if (seen_.size() < list.slotCount()) seen_.resize(list.slotCount() + list.slotCount() / 2, 0);
-  if (++round_ == 0) {
+  round_ = (round_ + 1) & 0xFFFFFFFF;
+  if (round_ == 0) {
     std::fill(seen_.begin(), seen_.end(), 0);
     round_ = 1;
   }
   const Vec3 half(region.reach);
   const Point center(region.x, region.y, region.z);
   const std::span<const PrimitiveList::Label> labels = list.labels();
-  const std::span<const PrimitiveList::Ball> balls = list.balls();
+  const std::span<const Sphere> balls = list.balls();
+  // Of spheres the tests reach a little beyond the ball: by 2^-17 of the greatest coordinate, which is at
+  // most the region's and the distance between the two. The factor is more than that share of the distance
+  // and the rounding here.
+  const float far = std::fmax(std::fmax(std::fabs(region.x), std::fabs(region.y)), std::fabs(region.z));
+  const float reach = region.reach + far * 0x1p-16f;
   std::size_t lists = 0;
   list.clusters().forListsIn({center - half, center + half}, [&](std::span<const std::uint32_t> slots) {
-    ++lists;
+    if (labels[slots.back()] >= labelEnd)
+      slots = slots.first(static_cast<std::size_t>(
+          std::partition_point(slots.begin(), slots.end(),
+                               [&](std::uint32_t slot) { return labels[slot] < labelEnd; }) -
+          slots.begin()));
+    const std::size_t before = found_.size();
     for (const std::uint32_t slot : slots) {
-      if (seen_[slot] == round_) continue;
-      seen_[slot] = round_;
-      const PrimitiveList::Ball& b = balls[slot];
-      const float dx = b.x - region.x, dy = b.y - region.y, dz = b.z - region.z;
-      const float reach = (b.reach + region.reach) * 1.00001f;  // more than the rounding of the sums
-      if (dx * dx + dy * dy + dz * dz > reach * reach) continue;
-      const PrimitiveList::Label label = labels[slot];
-      if (label >= labelEnd) break;  // lists are in list order
-      if (label != own) found_.push_back({label, slot});
+      const Sphere& b = balls[slot];
+      const float dx = b.center.x - region.x, dy = b.center.y - region.y, dz = b.center.z - region.z;
+      const float sum = (b.radius + reach) * 1.0001f;
+      if (dx * dx + dy * dy + dz * dz > sum * sum) continue;
+      if (isNew(slot)) found_.push_back({labels[slot], slot});
     }
+    lists += found_.size() > before;
   });
   if (lists > 1)
     std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) { return a.label < b.label; });
+  fill(list, own);
+}
+
+void NearBalls::fill(const PrimitiveList& list, PrimitiveList::Label own) {
+  if (own != std::numeric_limits<PrimitiveList::Label>::max()) {
+    const auto self = std::lower_bound(found_.begin(), found_.end(), own,
+                                       [](const Found& f, PrimitiveList::Label l) { return f.label < l; });
+    earlier_ = static_cast<std::uint32_t>(self - found_.begin());
+    if (self != found_.end() && self->label == own) found_.erase(self);
+  } else {
+    earlier_ = static_cast<std::uint32_t>(found_.size());
+  }
   const std::size_t n = found_.size();
   stride_ = (n + kPatch) / kPatch * kPatch;
   if (floats_.size() < 6 * stride_) floats_.resize(12 * stride_);
@@ -50,22 +92,25 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
     positive_.resize(2 * stride_);
     volumes_.resize(2 * stride_);
   }
-  float* x = floats_.data();
-  earlier_ = static_cast<std::uint32_t>(n);
+  const std::span<const Sphere> balls = list.balls();
+  float* const x = floats_.data();
+  float *const y = x + stride_, *const z = y + stride_, *const reach = z + stride_, *const r2 = reach + stride_,
+               *const r2Drop = r2 + stride_;
   anyVolume_ = false;
   for (std::size_t i = 0; i < n; ++i) {
-    const Primitive& p = list[PrimitiveId{found_[i].slot}];
-    const DropBall b = dropBall(p.shape);
-    x[i] = b.x;
-    x[stride_ + i] = b.y;
-    x[2 * stride_ + i] = b.z;
-    x[3 * stride_ + i] = b.reach;
-    x[4 * stride_ + i] = p.shape.ball().radius * p.shape.ball().radius;
-    x[5 * stride_ + i] = b.r2Drop;
-    volumes_[i] = b.volume;
-    anyVolume_ = anyVolume_ || b.volume;
-    positive_[i] = p.sign == Sign::Positive;
-    if (found_[i].label > own && earlier_ == n) earlier_ = static_cast<std::uint32_t>(i);
+    const std::uint32_t slot = found_[i].slot;
+    const Sphere& s = balls[slot];
+    const SphereTolerance t = toleranceOf(s);
+    x[i] = s.center.x;
+    y[i] = s.center.y;
+    z[i] = s.center.z;
+    reach[i] = s.radius + t.slack;
+    r2[i] = s.radius * s.radius;
+    r2Drop[i] = t.dropRadius * t.dropRadius;
+    positive_[i] = list.isPositive(slot);
+    const PosedVolume* volume = list.volumeIn(slot);
+    volumes_[i] = volume ? &volume->gridded() : nullptr;
+    anyVolume_ = anyVolume_ || volume;
   }
   for (std::size_t i = n; i < stride_; ++i) {
     x[i] = kNowhere;
@@ -74,7 +119,7 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
 }
 
 std::size_t NearBalls::bytes() const {
-  return found_.capacity() * sizeof(Found) + seen_.capacity() * sizeof(std::uint32_t) +
+  return found_.capacity() * sizeof(Found) + seen_.capacity() * sizeof(std::uint64_t) +
          floats_.capacity() * sizeof(float) + positive_.capacity() +
          volumes_.capacity() * sizeof(const GriddedVolume*);
 }

@@ -31,10 +31,15 @@ class NearBalls {
     PrimitiveList::Label label;
     std::uint32_t slot;
   };
+  [[nodiscard]] bool isNew(std::uint32_t slot);
+  void growSeen();
+  void fill(const PrimitiveList& list, PrimitiveList::Label own);
+
   std::vector<Found> found_;
-  std::vector<std::uint32_t>
-      seen_;  // by slot: the last round that met it, since a primitive is listed in several cells
-  std::uint32_t round_ = 0;
+  // A hash set of the slots in `found_`, since a primitive is listed in several cells: round << 32 | slot, of
+  // other rounds where there is none.
+  std::vector<std::uint64_t> seen_ = std::vector<std::uint64_t>(256, 0);
+  std::uint64_t round_ = 0;
   std::vector<float> floats_;  // six arrays, one after the other
   std::vector<const GriddedVolume*> volumes_;
   bool anyVolume_ = false;

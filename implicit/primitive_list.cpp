@@ -66,18 +66,27 @@ void PrimitiveList::insert(std::size_t position, std::span<const Primitive> prim
 std::uint32_t PrimitiveList::takeSlot(const Primitive& primitive) {
   std::uint32_t slot;
   if (free_.empty()) {
-    slot = static_cast<std::uint32_t>(slots_.size());
-    slots_.push_back(primitive);
-    labels_.push_back(0);
+    slot = static_cast<std::uint32_t>(balls_.size());
     balls_.emplace_back();
+    positive_.push_back(0);
+    labels_.push_back(0);
   } else {
     slot = free_.back();
     free_.pop_back();
-    slots_[slot] = primitive;
   }
-  const Sphere& s = primitive.shape.ball();
-  balls_[slot] = {s.center.x, s.center.y, s.center.z, s.radius + slackOf(primitive.shape)};
+  balls_[slot] = primitive.shape.ball();
+  positive_[slot] = primitive.sign == Sign::Positive;
+  if (const auto& volume = primitive.shape.sharedVolume()) {
+    balls_[slot].radius += volume->slack();
+    if (volumes_.size() <= slot) volumes_.resize(slot + 1);
+    volumes_[slot] = volume;
+  }
   return slot;
+}
+
+Primitive PrimitiveList::primitiveIn(std::uint32_t slot) const {
+  const Sign sign = isPositive(slot) ? Sign::Positive : Sign::Negative;
+  return volumeIn(slot) ? Primitive{volumes_[slot], sign} : Primitive{balls_[slot], sign};
 }
 
 void PrimitiveList::remove(PrimitiveId id) {
@@ -89,12 +98,17 @@ void PrimitiveList::remove(std::size_t first, std::size_t count) {
   RESTROKE_CHECK_LE(count, size() - first);
   for (std::size_t i = count; i-- > 0;) {
     const std::uint32_t slot = order_[first + i];
-    clusters_.remove(slot, boundsOf(slots_[slot].shape), labels_);
-    slots_[slot] = {};  // a volume is let go of
+    clusters_.remove(slot, boundsIn(slot), labels_);
+    if (slot < volumes_.size()) volumes_[slot].reset();
     free_.push_back(slot);
   }
   const auto begin = order_.begin() + static_cast<std::ptrdiff_t>(first);
   order_.erase(begin, begin + static_cast<std::ptrdiff_t>(count));
+}
+
+Box PrimitiveList::boundsIn(std::uint32_t slot) const {
+  const PosedVolume* volume = volumeIn(slot);
+  return volume ? volume->bounds() : boundsOf(balls_[slot]);
 }
 
 std::size_t PrimitiveList::positionOf(PrimitiveId id) const {
@@ -108,7 +122,7 @@ Box PrimitiveList::bounds(Prefix prefix) const {
   Box box;
   const std::size_t end = std::min(prefix.count, size());
   for (std::size_t i = 0; i < end; ++i)
-    if (at(i).sign == Sign::Positive) box.add(boundsOf(at(i).shape));
+    if (isPositive(order_[i])) box.add(boundsIn(order_[i]));
   return box;
 }
 
@@ -116,9 +130,10 @@ Sphere PrimitiveList::boundingSphere(Prefix prefix) const {
   Sphere out{bounds(prefix).center(), 0};
   const std::size_t end = std::min(prefix.count, size());
   for (std::size_t i = 0; i < end; ++i) {
-    const Sphere& s = at(i).shape.ball();
-    if (at(i).sign == Sign::Positive)
-      out.radius = std::max(out.radius, length(s.center - out.center) + s.radius);
+    if (!isPositive(order_[i])) continue;
+    const PosedVolume* volume = volumeIn(order_[i]);
+    const Sphere& s = volume ? volume->ball() : balls_[order_[i]];
+    out.radius = std::max(out.radius, length(s.center - out.center) + s.radius);
   }
   return out;
 }
@@ -134,15 +149,16 @@ void PrimitiveList::relabelAll() {
 std::size_t PrimitiveList::bytes() const {
   std::set<const PosedVolume*> posed;
   std::set<const Volume*> volumes;
-  for (const std::uint32_t slot : order_)
-    if (const PosedVolume* volume = slots_[slot].shape.volume()) {
-      posed.insert(volume);
+  for (const auto& volume : volumes_)
+    if (volume) {
+      posed.insert(volume.get());
       volumes.insert(&volume->volume());
     }
   std::size_t bytes = posed.size() * sizeof(PosedVolume);
   for (const Volume* volume : volumes) bytes += volume->bytes();
-  return bytes + slots_.capacity() * sizeof(Primitive) + balls_.capacity() * sizeof(Ball) +
-         labels_.capacity() * sizeof(Label) + (free_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
+  return bytes + balls_.capacity() * sizeof(Sphere) + positive_.capacity() +
+         labels_.capacity() * sizeof(Label) + volumes_.capacity() * sizeof(volumes_[0]) +
+         (free_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
 }
 
 }  // namespace restroke::implicit

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -49,8 +50,9 @@ class PrimitiveList {
   [[nodiscard]] PrimitiveId idAt(std::size_t position) const { return PrimitiveId{order_[position]}; }
   /// O(log n).
   [[nodiscard]] std::size_t positionOf(PrimitiveId id) const;
-  [[nodiscard]] const Primitive& operator[](PrimitiveId id) const { return slots_[slotOf(id)]; }
-  [[nodiscard]] const Primitive& at(std::size_t position) const { return slots_[order_[position]]; }
+  /// By value: what is kept of a sphere is less than a Primitive.
+  [[nodiscard]] Primitive operator[](PrimitiveId id) const { return primitiveIn(slotOf(id)); }
+  [[nodiscard]] Primitive at(std::size_t position) const { return primitiveIn(order_[position]); }
 
   /// Box around all positive primitives of the prefix. O(n).
   [[nodiscard]] Box bounds(Prefix prefix = {}) const;
@@ -69,13 +71,15 @@ class PrimitiveList {
   /// The label such that exactly the primitives of the prefix have smaller ones.
   [[nodiscard]] Label labelEnd(Prefix prefix) const;
   /// One more than the largest slot number in use; ids index arrays of this size.
-  [[nodiscard]] std::size_t slotCount() const { return slots_.size(); }
+  [[nodiscard]] std::size_t slotCount() const { return balls_.size(); }
 
-  /// Centre and reach of a primitive: no test of it says yes farther away from the centre.
-  struct Ball {
-    float x, y, z, reach;
-  };
-  [[nodiscard]] std::span<const Ball> balls() const { return balls_; }  ///< by slot
+  /// A sphere itself; of a volume, a ball beyond which no test of it says yes. By slot.
+  [[nodiscard]] std::span<const Sphere> balls() const { return balls_; }
+  [[nodiscard]] bool isPositive(std::uint32_t slot) const { return positive_[slot] != 0; }
+  /// Null for a sphere.
+  [[nodiscard]] const PosedVolume* volumeIn(std::uint32_t slot) const {
+    return slot < volumes_.size() ? volumes_[slot].get() : nullptr;
+  }
 
   /// Bytes held, from the containers' capacity; volumes that are no spheres included, each once.
   [[nodiscard]] std::size_t bytes() const;
@@ -86,9 +90,14 @@ class PrimitiveList {
   void relabelAll();
   [[nodiscard]] std::uint32_t takeSlot(const Primitive& primitive);
 
-  std::vector<Primitive> slots_;
-  std::vector<Label> labels_;         // of each slot
-  std::vector<Ball> balls_;           // of each slot
+  [[nodiscard]] Primitive primitiveIn(std::uint32_t slot) const;
+  [[nodiscard]] Box boundsIn(std::uint32_t slot) const;
+
+  // Of each slot. Volumes only up to the last one: a list of spheres on a base has room for one.
+  std::vector<Sphere> balls_;
+  std::vector<std::uint8_t> positive_;
+  std::vector<Label> labels_;
+  std::vector<std::shared_ptr<const PosedVolume>> volumes_;
   std::vector<std::uint32_t> free_;   // slots to use again
   std::vector<std::uint32_t> order_;  // position -> slot
   Clusters clusters_;

@@ -59,17 +59,20 @@ bool keepsSamples(const Shape& shape) {
   return shape.isSphere() || shape.volume()->volume().keepsSamples();
 }
 
-SampledShape sampled(const Shape& shape, const SampleTable& samples) {
-  if (shape.isSphere()) {
-    const Sphere& s = shape.ball();
-    const SphereTolerance t = toleranceOf(s);
-    return {&samples.tree(), s.center.x,   s.center.y, s.center.z, s.radius,
-            nullptr,         t.keepRadius, 0,          t.slack,    true};
-  }
-  const PosedVolume& v = *shape.volume();
+SampledShape sampled(const Sphere& s, const SampleTable& samples) {
+  const SphereTolerance t = toleranceOf(s);
+  return {&samples.tree(), s.center.x,   s.center.y, s.center.z, s.radius,
+          nullptr,         t.keepRadius, 0,          t.slack,    true};
+}
+
+SampledShape sampled(const PosedVolume& v, const SampleTable& samples) {
   const Pose& pose = v.pose();
   return {&samples.tree(), pose.position.x, pose.position.y, pose.position.z, pose.scale,
           &v.rotations(),  pose.scale,      v.keepOffset(),  v.slack(),       true};
+}
+
+SampledShape sampled(const Shape& shape, const SampleTable& samples) {
+  return shape.isSphere() ? sampled(shape.ball(), samples) : sampled(*shape.volume(), samples);
 }
 
 DropBall regionOfNode(const SampledShape& shape, int level, std::uint32_t node) {

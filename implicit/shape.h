@@ -66,6 +66,8 @@ void intersect(const Shape& shape, const Ray& ray, std::vector<RayInterval>& int
 [[nodiscard]] double areaOf(const Shape& shape);
 
 /// The shape with its samples as the kernels take it.
+[[nodiscard]] SampledShape sampled(const Sphere& sphere, const SampleTable& samples);
+[[nodiscard]] SampledShape sampled(const PosedVolume& volume, const SampleTable& samples);
 [[nodiscard]] SampledShape sampled(const Shape& shape, const SampleTable& samples);
 
 /// A sphere that holds all samples of a node of the tree, and where their keep tests are made.

@@ -64,34 +64,52 @@ class SurfelModel {
   [[nodiscard]] ModelBytes bytes() const;
 
  private:
+  using Masks = implicit::Arena<std::uint16_t>;
   /// The samples of the primitive in one slot of the list.
   struct Samples {
-    const implicit::SampleTable* table = nullptr;  ///< null: to be asked for each time (keepsSamples)
+    Masks::Handle masks = Masks::kNone;  ///< bit k of the p-th: sample 16 p + k is a surfel
     std::uint32_t patches = 0;
-    std::unique_ptr<std::uint16_t[]> visible;  ///< bit k of visible[p]: sample 16 p + k is a surfel
+    std::uint32_t visible = 0;  ///< how many are
   };
   /// A run of patches of one primitive: the unit of parallel work.
-  struct Run;
+  struct Run {
+    std::uint32_t slot = 0;
+    int level = 0;              ///< of the tree
+    std::uint32_t node = 0;     ///< all nodes of the level when the primitive is small
+    bool whole = true;          ///< it is small
+    std::uint32_t visible = 0;  ///< samples: what came of it
+  };
+  using MasksBySlot = std::vector<const std::uint16_t*>;
   [[nodiscard]] const implicit::SampleTable& tableIn(std::uint32_t slot) const;
   [[nodiscard]] implicit::SampledShape shapeIn(std::uint32_t slot) const;
+  [[nodiscard]] implicit::DropBall regionIn(std::uint32_t slot) const;
+  [[nodiscard]] std::uint16_t* masksIn(std::uint32_t slot) { return masks_.at(samples_[slot].masks); }
+  [[nodiscard]] const std::uint16_t* masksIn(std::uint32_t slot) const {
+    return masks_.at(samples_[slot].masks);
+  }
   void insertOne(std::size_t position, const implicit::Primitive& primitive);
+  void appendTogether(std::span<const implicit::Primitive> primitives, const Execution& execution);
   void insertUnseen(std::size_t position, std::span<const implicit::Primitive> primitives);
   void reevaluateAround(std::span<const implicit::DropBall> balls, std::vector<std::uint64_t>& patches,
                         const Execution& execution);
   /// Appends the patches of a primitive that reach into the ball, as slot << 32 | patch.
   void addTouched(std::uint32_t slot, const implicit::DropBall& ball, std::vector<std::uint64_t>& patches);
   void reevaluate(std::vector<std::uint64_t>& patches, const Execution& execution);
-  void evaluate(std::span<const Run> runs, std::span<std::uint16_t* const> visible, implicit::Prefix prefix,
+  void evaluate(std::span<Run> runs, std::span<std::uint16_t* const> masks, implicit::Prefix prefix,
                 const Execution& execution) const;
-  [[nodiscard]] std::vector<std::uint16_t*> visibleBySlot() const;
-  [[nodiscard]] std::vector<Run> runsOf(implicit::Prefix prefix) const;
-  [[nodiscard]] std::vector<Surfel> expand(std::span<std::uint16_t* const> visible, std::size_t primitives,
+  void take(std::span<const Run> runs);
+  /// Calls f(i, near) for i from 0 to count - 1, on the execution's threads.
+  template <class F>
+  void forEach(std::size_t count, const Execution& execution, const F& f);
+  [[nodiscard]] MasksBySlot masksBySlot() const;
+  [[nodiscard]] std::vector<Run> runsOf(std::size_t first, std::size_t last) const;
+  [[nodiscard]] std::vector<Surfel> expand(const MasksBySlot& masks, std::size_t primitives,
                                            const Execution& execution) const;
 
   implicit::PrimitiveList list_;
   SamplingOptions sampling_;
   std::size_t surfelCount_ = 0;
-  std::size_t visibleBytes_ = 0;
+  Masks masks_;
   std::vector<Samples> samples_;  // by slot
   implicit::NearBalls near_;
   std::vector<std::uint32_t> touched_;  // scratch of addTouched

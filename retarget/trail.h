@@ -67,8 +67,8 @@ class TrailRecorder final : public Caster {
 class Owners {
  public:
   virtual ~Owners() = default;
-  /// Null when the node is not part of the shape any more, or makes fewer primitives than it did.
-  [[nodiscard]] virtual const implicit::Primitive* find(OwnerKey owner) const = 0;
+  /// Nothing when the node is not part of the shape any more, or makes fewer primitives than it did.
+  [[nodiscard]] virtual std::optional<implicit::Primitive> find(OwnerKey owner) const = 0;
 };
 
 /// Answers from an original trail that something carries along: `carry` says where a point of it is now. The

@@ -29,15 +29,15 @@ class ListOwners final : public retarget::Owners {
     std::sort(byNode_.begin(), byNode_.end(), [](const Start& a, const Start& b) { return a.node < b.node; });
   }
 
-  [[nodiscard]] const implicit::Primitive* find(retarget::OwnerKey owner) const override {
+  [[nodiscard]] std::optional<implicit::Primitive> find(retarget::OwnerKey owner) const override {
     const auto found = std::lower_bound(byNode_.begin(), byNode_.end(), owner.node,
                                         [](const Start& s, std::uint32_t node) { return s.node < node; });
-    if (found == byNode_.end() || found->node != owner.node) return nullptr;
+    if (found == byNode_.end() || found->node != owner.node) return std::nullopt;
     const std::size_t position = found->position + owner.index;
     const auto own = std::upper_bound(starts_.begin(), starts_.end(), found->position,
                                       [](std::size_t p, const Start& s) { return p < s.position; });
     const std::size_t end = own == starts_.end() ? end_ : own->position;
-    return position < end ? &list_.at(position) : nullptr;
+    return position < end ? std::optional(list_.at(position)) : std::nullopt;
   }
 
   [[nodiscard]] retarget::OwnerKey keyOf(implicit::PrimitiveId id) const {

@@ -41,10 +41,10 @@ class Sculpture final : public retarget::Owners {
     runs_[node] = {owners_.size(), primitives.size()};
     for (std::uint32_t i = 0; i < primitives.size(); ++i) owners_.push_back({node, i});
   }
-  [[nodiscard]] const implicit::Primitive* find(OwnerKey owner) const override {
+  [[nodiscard]] std::optional<implicit::Primitive> find(OwnerKey owner) const override {
     const auto run = runs_.find(owner.node);
-    if (run == runs_.end() || owner.index >= run->second.count) return nullptr;
-    return &model_.list().at(run->second.first + owner.index);
+    if (run == runs_.end() || owner.index >= run->second.count) return std::nullopt;
+    return model_.list().at(run->second.first + owner.index);
   }
 
  private:

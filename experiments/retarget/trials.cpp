@@ -63,8 +63,8 @@ FoundMotion alignedPatch(const points::SurfelModel& before, const points::Surfel
 class Follower::BaseOwner final : public retarget::Owners {
  public:
   explicit BaseOwner(const points::SurfelModel& model) : model_(model) {}
-  [[nodiscard]] const implicit::Primitive* find(retarget::OwnerKey owner) const override {
-    return owner == retarget::OwnerKey{} ? &model_.list().at(0) : nullptr;
+  [[nodiscard]] std::optional<implicit::Primitive> find(retarget::OwnerKey owner) const override {
+    return owner == retarget::OwnerKey{} ? std::optional(model_.list().at(0)) : std::nullopt;
   }
 
  private:

@@ -1,11 +1,15 @@
 #include "implicit/shapes/sphere_samples.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <vector>
+
+#include "implicit/errors.h"
 
 namespace restroke::implicit {
 
@@ -28,9 +32,11 @@ std::vector<Vec3> fibonacciLattice(std::uint32_t n) {
   return out;
 }
 
+// A table for each count that sampleCountFor gives: 64 to an octave.
 struct Tables {
-  std::mutex mutex;
-  std::map<std::uint32_t, std::unique_ptr<SampleTable>> byCount;
+  std::mutex mutex;  // held by who makes one
+  std::array<std::unique_ptr<const SampleTable>, 64 * 20> made;
+  std::array<std::atomic<const SampleTable*>, 64 * 20> byCount{};
 };
 
 Tables& tables() {
@@ -38,28 +44,35 @@ Tables& tables() {
   return t;
 }
 
+std::size_t placeOf(std::uint32_t count) {
+  const std::uint32_t patches = count / static_cast<std::uint32_t>(kPatch);
+  const int octave = std::max(0, static_cast<int>(std::bit_width(patches)) - 6);
+  const std::size_t place = 64 * static_cast<std::size_t>(octave) + (patches >> octave);
+  RESTROKE_CHECK_EQ(std::size_t{patches >> octave << octave} * kPatch, std::size_t{count});
+  return place;
+}
+
 }  // namespace
 
 const SampleTable& sphereSamples(std::uint32_t count) {
   Tables& t = tables();
+  const std::size_t place = placeOf(count);
+  if (const SampleTable* known = t.byCount[place].load(std::memory_order_acquire)) return *known;
   const std::lock_guard lock(t.mutex);
-  std::unique_ptr<SampleTable>& table = t.byCount[count];
-  if (!table) table = std::make_unique<SampleTable>(SampleTable::ofDirections(fibonacciLattice(count)));
-  return *table;
+  if (!t.made[place]) {
+    t.made[place] = std::make_unique<SampleTable>(SampleTable::ofDirections(fibonacciLattice(count)));
+    t.byCount[place].store(t.made[place].get(), std::memory_order_release);
+  }
+  return *t.made[place];
 }
 
 std::size_t bytesOfSphereSamples() {
   Tables& t = tables();
   const std::lock_guard lock(t.mutex);
   std::size_t bytes = 0;
-  for (const auto& [count, table] : t.byCount) bytes += table->bytes();
+  for (const auto& table : t.made)
+    if (table) bytes += table->bytes();
   return bytes;
-}
-
-SphereTolerance toleranceOf(const Sphere& s) {
-  const float m =
-      std::max(std::max(std::fabs(s.center.x), std::fabs(s.center.y)), std::fabs(s.center.z)) + s.radius;
-  return {s.radius + m * 0x1p-18f, s.radius + m * 0x1p-19f, m * 0x1p-17f};
 }
 
 }  // namespace restroke::implicit

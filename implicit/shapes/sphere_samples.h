@@ -1,6 +1,8 @@
 #pragma once
 // The sphere's samples (SPEC S3): equal-area directions in a fixed order, made without libm.
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "implicit/sampling/sample_table.h"
@@ -10,7 +12,7 @@ namespace restroke::implicit {
 
 /// The table of `count` unit directions: a spherical Fibonacci lattice (equal area per sample; Gonzalez,
 /// "Measurement of areas on a sphere using Fibonacci and latitude-longitude lattices", Mathematical
-/// Geosciences 42, 2010). Made at the first call and shared from then on. Thread-safe. `count` is a value of
+/// Geosciences 42, 2010). Made at the first call and shared from then on, when it costs a look into an array. Thread-safe. `count` is a value of
 /// sampleCountFor.
 [[nodiscard]] const SampleTable& sphereSamples(std::uint32_t count);
 
@@ -26,6 +28,10 @@ struct SphereTolerance {
                      ///< gap opens between the tests
   float slack;       ///< 2^-17 m, more than either plus all rounding
 };
-[[nodiscard]] SphereTolerance toleranceOf(const Sphere& s);
+[[nodiscard]] inline SphereTolerance toleranceOf(const Sphere& s) {
+  const float m =
+      std::max(std::max(std::fabs(s.center.x), std::fabs(s.center.y)), std::fabs(s.center.z)) + s.radius;
+  return {s.radius + m * 0x1p-18f, s.radius + m * 0x1p-19f, m * 0x1p-17f};
+}
 
 }  // namespace restroke::implicit

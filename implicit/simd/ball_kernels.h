@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "implicit/simd/dispatch.h"
 
@@ -116,12 +117,13 @@ struct BallKernels {
   /// Of 16 points in a sphere, those (of its lanes) whose last containing primitive is positive. All of the
   /// arrays count.
   std::uint32_t (*insideLanes)(const PointGroup& group, const BallArrays& balls);
-  /// Visibility (SPEC S3) of the samples of the listed patches: bit k of masks[i] is sample k of patches[i].
-  void (*evaluatePatches)(const SampledShape& shape, const std::uint32_t* patches, std::size_t count,
-                          const BallArrays& balls, std::uint16_t* masks);
-  /// The same for all patches under a node of the tree; masks is indexed by patch number.
-  void (*evaluateNode)(const SampledShape& shape, int level, std::uint32_t node, const BallArrays& balls,
-                       std::uint16_t* masks);
+  /// Visibility (SPEC S3) of the samples of the listed patches: bit k of masks[p] becomes that of sample k of
+  /// patch p. Returns by how much the number of visible samples has grown.
+  std::ptrdiff_t (*evaluatePatches)(const SampledShape& shape, std::span<const std::uint32_t> patches,
+                                    const BallArrays& balls, std::uint16_t* masks);
+  /// The same for all patches under a node of the tree. Returns how many samples are visible.
+  std::size_t (*evaluateNode)(const SampledShape& shape, int level, std::uint32_t node,
+                              const BallArrays& balls, std::uint16_t* masks);
   /// Clears the samples that lie in the ball; returns how many were visible before.
   std::size_t (*dropSamples)(const SampledShape& shape, const DropBall& drop, std::uint16_t* masks);
   /// Writes the numbers of the patches that may meet the ball, in order; returns how many. `out` has room for

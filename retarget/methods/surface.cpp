@@ -33,7 +33,7 @@ class SurfaceCaster final : public TrailCaster {
   [[nodiscard]] const SurfaceCoordinates* coordinatesOf(const Anchor& anchor) const {
     const auto [entry, isNew] = known_.try_emplace({anchor.owner.node, anchor.owner.index});
     if (isNew)
-      if (const implicit::Primitive* owner = owners_->find(anchor.owner))
+      if (const auto owner = owners_->find(anchor.owner))
         entry->second = SurfaceCoordinates::between(anchor.shape, owner->shape);
     return entry->second.get();
   }

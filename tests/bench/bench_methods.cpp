@@ -33,8 +33,8 @@ using retarget::Method;
 class OwnersOfList final : public retarget::Owners {
  public:
   explicit OwnersOfList(const implicit::PrimitiveList& list) : list_(list) {}
-  [[nodiscard]] const implicit::Primitive* find(retarget::OwnerKey owner) const override {
-    return owner.index < list_.size() ? &list_.at(owner.index) : nullptr;
+  [[nodiscard]] std::optional<implicit::Primitive> find(retarget::OwnerKey owner) const override {
+    return owner.index < list_.size() ? std::optional(list_.at(owner.index)) : std::nullopt;
   }
 
  private:
@@ -44,7 +44,9 @@ class OwnersOfList final : public retarget::Owners {
 /// None is left.
 class NoOwners final : public retarget::Owners {
  public:
-  [[nodiscard]] const implicit::Primitive* find(retarget::OwnerKey) const override { return nullptr; }
+  [[nodiscard]] std::optional<implicit::Primitive> find(retarget::OwnerKey) const override {
+    return std::nullopt;
+  }
 };
 
 /// A map that is not affine: it bends space by the square of a coordinate.

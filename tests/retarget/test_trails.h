@@ -16,9 +16,9 @@ class NamedOwners final : public Owners {
  public:
   explicit NamedOwners(std::map<std::uint32_t, implicit::Primitive> primitives)
       : primitives_(std::move(primitives)) {}
-  [[nodiscard]] const implicit::Primitive* find(OwnerKey owner) const override {
+  [[nodiscard]] std::optional<implicit::Primitive> find(OwnerKey owner) const override {
     const auto entry = primitives_.find(owner.index);
-    return owner.node == 0 && entry != primitives_.end() ? &entry->second : nullptr;
+    return owner.node == 0 && entry != primitives_.end() ? std::optional(entry->second) : std::nullopt;
   }
 
  private:
