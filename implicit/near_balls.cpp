@@ -1,6 +1,7 @@
 #include "implicit/near_balls.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "implicit/shapes/sphere_samples.h"
 
@@ -48,12 +49,15 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
   const Vec3 half(region.reach);
   const Point center(region.x, region.y, region.z);
   const std::span<const PrimitiveList::Label> labels = list.labels();
-  const std::span<const Sphere> balls = list.balls();
+  static_assert(sizeof(PackedBall) == sizeof(Sphere) && offsetof(Sphere, radius) == offsetof(PackedBall, radius));
+  const auto* balls = reinterpret_cast<const PackedBall*>(list.balls().data());
+  const BallKernels& kernels = ballKernels();
   // Of spheres the tests reach a little beyond the ball: by 2^-17 of the greatest coordinate, which is at
-  // most the region's and the distance between the two. The factor is more than that share of the distance
-  // and the rounding here.
+  // most the region's and the distance between the two. What is added to the reach covers the first, the
+  // factor in the kernel the second.
   const float far = std::fmax(std::fmax(std::fabs(region.x), std::fabs(region.y)), std::fabs(region.z));
-  const float reach = region.reach + far * 0x1p-16f;
+  DropBall wide = region;
+  wide.reach += far * 0x1p-16f;
   std::size_t lists = 0;
   list.clusters().forListsIn({center - half, center + half}, [&](std::span<const std::uint32_t> slots) {
     if (labels[slots.back()] >= labelEnd)
@@ -61,14 +65,11 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
           std::partition_point(slots.begin(), slots.end(),
                                [&](std::uint32_t slot) { return labels[slot] < labelEnd; }) -
           slots.begin()));
+    if (meeting_.size() < slots.size()) meeting_.resize(2 * slots.size());
+    const std::size_t met = kernels.meetingSlots(balls, slots, wide, meeting_.data());
     const std::size_t before = found_.size();
-    for (const std::uint32_t slot : slots) {
-      const Sphere& b = balls[slot];
-      const float dx = b.center.x - region.x, dy = b.center.y - region.y, dz = b.center.z - region.z;
-      const float sum = (b.radius + reach) * 1.0001f;
-      if (dx * dx + dy * dy + dz * dz > sum * sum) continue;
-      if (isNew(slot)) found_.push_back({labels[slot], slot});
-    }
+    for (std::size_t i = 0; i < met; ++i)
+      if (isNew(meeting_[i])) found_.push_back({labels[meeting_[i]], meeting_[i]});
     lists += found_.size() > before;
   });
   if (lists > 1)
@@ -119,7 +120,7 @@ void NearBalls::fill(const PrimitiveList& list, PrimitiveList::Label own) {
 }
 
 std::size_t NearBalls::bytes() const {
-  return found_.capacity() * sizeof(Found) + seen_.capacity() * sizeof(std::uint64_t) +
+  return found_.capacity() * sizeof(Found) + meeting_.capacity() * sizeof(std::uint32_t) + seen_.capacity() * sizeof(std::uint64_t) +
          floats_.capacity() * sizeof(float) + positive_.capacity() +
          volumes_.capacity() * sizeof(const GriddedVolume*);
 }

@@ -35,6 +35,7 @@ class NearBalls {
   void growSeen();
   void fill(const PrimitiveList& list, PrimitiveList::Label own);
 
+  std::vector<std::uint32_t> meeting_;  // of one cell
   std::vector<Found> found_;
   // A hash set of the slots in `found_`, since a primitive is listed in several cells: round << 32 | slot, of
   // other rounds where there is none.

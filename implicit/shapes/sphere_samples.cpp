@@ -39,38 +39,32 @@ struct Tables {
   std::array<std::atomic<const SampleTable*>, 64 * 20> byCount{};
 };
 
-Tables& tables() {
-  static Tables t;
-  return t;
-}
+constinit Tables tables;
 
 std::size_t placeOf(std::uint32_t count) {
   const std::uint32_t patches = count / static_cast<std::uint32_t>(kPatch);
   const int octave = std::max(0, static_cast<int>(std::bit_width(patches)) - 6);
-  const std::size_t place = 64 * static_cast<std::size_t>(octave) + (patches >> octave);
-  RESTROKE_CHECK_EQ(std::size_t{patches >> octave << octave} * kPatch, std::size_t{count});
-  return place;
+  return 64 * static_cast<std::size_t>(octave) + (patches >> octave);
 }
 
 }  // namespace
 
 const SampleTable& sphereSamples(std::uint32_t count) {
-  Tables& t = tables();
   const std::size_t place = placeOf(count);
-  if (const SampleTable* known = t.byCount[place].load(std::memory_order_acquire)) return *known;
-  const std::lock_guard lock(t.mutex);
-  if (!t.made[place]) {
-    t.made[place] = std::make_unique<SampleTable>(SampleTable::ofDirections(fibonacciLattice(count)));
-    t.byCount[place].store(t.made[place].get(), std::memory_order_release);
+  if (const SampleTable* known = tables.byCount[place].load(std::memory_order_acquire)) return *known;
+  const std::lock_guard lock(tables.mutex);
+  if (!tables.made[place]) {
+    RESTROKE_CHECK_EQ(count, sampleCountFor(count, 1));
+    tables.made[place] = std::make_unique<SampleTable>(SampleTable::ofDirections(fibonacciLattice(count)));
+    tables.byCount[place].store(tables.made[place].get(), std::memory_order_release);
   }
-  return *t.made[place];
+  return *tables.made[place];
 }
 
 std::size_t bytesOfSphereSamples() {
-  Tables& t = tables();
-  const std::lock_guard lock(t.mutex);
+  const std::lock_guard lock(tables.mutex);
   std::size_t bytes = 0;
-  for (const auto& table : t.made)
+  for (const auto& table : tables.made)
     if (table) bytes += table->bytes();
   return bytes;
 }

@@ -112,8 +112,18 @@ struct PointGroup {
 [[nodiscard]] std::uint32_t lanesInVolume(const GriddedVolume& volume, const PointGroup& group,
                                           bool dropping);
 
+/// Spheres as they are kept: centre and radius, 16 bytes apart.
+struct PackedBall {
+  float x, y, z, radius;
+};
+
 /// The kernels of one instruction set.
 struct BallKernels {
+  /// Of the balls that `slots` names, writes (to `out`, which has room for all) the slots of those that may
+  /// meet the sphere (x, y, z, reach), in order; returns how many. `reach` is widened by the caller for what
+  /// the balls' tests reach beyond them; the tests here allow for their own rounding.
+  std::size_t (*meetingSlots)(const PackedBall* balls, std::span<const std::uint32_t> slots,
+                              const DropBall& sphere, std::uint32_t* out);
   /// Of 16 points in a sphere, those (of its lanes) whose last containing primitive is positive. All of the
   /// arrays count.
   std::uint32_t (*insideLanes)(const PointGroup& group, const BallArrays& balls);
