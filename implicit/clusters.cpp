@@ -76,7 +76,8 @@ void forCells(const ClusterGrid& grid, const Box& box, const F& f) {
 }
 
 // Where in the list the slot is, or belongs.
-std::uint32_t placeOf(std::span<const std::uint32_t> list, std::uint32_t slot, ClusterGrid::Labels labels) {
+std::uint32_t placeOf(std::span<const std::uint32_t> list, std::uint32_t slot,
+                      std::span<const std::uint64_t> labels) {
   const std::uint64_t label = labels[slot];
   const auto count = static_cast<std::uint32_t>(list.size());
   if (list.empty() || labels[list.back()] < label) return count;
@@ -85,44 +86,83 @@ std::uint32_t placeOf(std::span<const std::uint32_t> list, std::uint32_t slot, C
   return static_cast<std::uint32_t>(place - list.begin());
 }
 
+// A list this long is cut (CrowdedCell); one of half the length need not be any more. Shorter lists are
+// looked through, 8 balls at a time, faster than leaves are found.
+constexpr std::uint32_t kCrowd = 512;
+
 }  // namespace
 
-void ClusterGrid::insert(std::uint32_t slot, const Box& box, Labels labels) {
+void ClusterGrid::insert(std::uint32_t slot, const Box& box, const ClusterMembers& members) {
   if (size_++ == 0) hull_ = Box{};
   hull_.add(box);
-  forCells(*this, box, [&](Cell c) {
-    Entry& e = entryFor(c);
-    const std::uint32_t place = placeOf(listOf(e), slot, labels);
-    if (e.count != 0 && Lists::capacityFor(e.count) == e.count) {
-      const Lists::Handle larger = lists_->take(e.count + 1);
-      std::copy_n(lists_->at(e.list), e.count, lists_->at(larger));
-      lists_->giveBack(e.list, e.count);
-      e.list = larger;
-    }
-    std::uint32_t* list = lists_->at(e.list);
-    std::copy_backward(list + place, list + e.count, list + e.count + 1);
-    list[place] = slot;
-    ++e.count;
-  });
+  forCells(*this, box, [&](Cell c) { putIn(entryFor(c), slot, members); });
 }
 
-void ClusterGrid::remove(std::uint32_t slot, const Box& box, Labels labels) {
+void ClusterGrid::remove(std::uint32_t slot, const Box& box, const ClusterMembers& members) {
   --size_;
-  forCells(*this, box, [&](Cell c) {
-    Entry& e = entries_[find(c)];
-    const std::uint32_t place = placeOf(listOf(e), slot, labels);
-    std::uint32_t* list = lists_->at(e.list);
-    RESTROKE_CHECK_EQ(place < e.count && list[place] == slot, true);
-    std::copy(list + place + 1, list + e.count, list + place);
-    --e.count;
-    // The room stays that of the ladder's step, so that it need not be kept.
-    if (e.count != 0 && Lists::capacityFor(e.count) == e.count) {
-      const Lists::Handle smaller = lists_->take(e.count);
-      std::copy_n(list, e.count, lists_->at(smaller));
-      lists_->giveBack(e.list, e.count + 1);
-      e.list = smaller;
-    }
-  });
+  forCells(*this, box, [&](Cell c) { takeFrom(entries_[find(c)], slot, members); });
+}
+
+void ClusterGrid::putIn(Entry& e, std::uint32_t slot, const ClusterMembers& members) {
+  const std::uint32_t place = placeOf(listOf(e), slot, members.labels);
+  if (e.count != 0 && Lists::capacityFor(e.count) == e.count) {
+    const Lists::Handle larger = lists_->take(e.count + 1);
+    std::copy_n(lists_->at(e.list), e.count, lists_->at(larger));
+    lists_->giveBack(e.list, e.count);
+    e.list = larger;
+  }
+  std::uint32_t* list = lists_->at(e.list);
+  std::copy_backward(list + place, list + e.count, list + e.count + 1);
+  list[place] = slot;
+  ++e.count;
+  if (e.crowd != kNoCrowd)
+    crowds_[e.crowd]->insert(slot, members);
+  else if (e.count >= kCrowd)
+    makeCrowd(e, members);
+}
+
+void ClusterGrid::takeFrom(Entry& e, std::uint32_t slot, const ClusterMembers& members) {
+  const std::uint32_t place = placeOf(listOf(e), slot, members.labels);
+  std::uint32_t* list = lists_->at(e.list);
+  RESTROKE_CHECK_EQ(place < e.count && list[place] == slot, true);
+  std::copy(list + place + 1, list + e.count, list + place);
+  --e.count;
+  // The room stays that of the ladder's step, so that it need not be kept.
+  if (e.count != 0 && Lists::capacityFor(e.count) == e.count) {
+    const Lists::Handle smaller = lists_->take(e.count);
+    std::copy_n(list, e.count, lists_->at(smaller));
+    lists_->giveBack(e.list, e.count + 1);
+    e.list = smaller;
+  }
+  if (e.crowd == kNoCrowd) return;
+  if (e.count > kCrowd / 2) {
+    crowds_[e.crowd]->remove(slot, listOf(e), members);
+  } else {
+    crowds_[e.crowd].reset();
+    freeCrowds_.push_back(e.crowd);
+    e.crowd = kNoCrowd;
+  }
+}
+
+void ClusterGrid::makeCrowd(Entry& e, const ClusterMembers& members) {
+  if (freeCrowds_.empty()) {
+    freeCrowds_.push_back(static_cast<std::uint32_t>(crowds_.size()));
+    crowds_.emplace_back();
+  }
+  e.crowd = freeCrowds_.back();
+  freeCrowds_.pop_back();
+  const DVec3 low(e.cell.x, e.cell.y, e.cell.z);
+  const double size = static_cast<double>(cell_);
+  const Box box{Point(low * size), Point((low + DVec3(1)) * size)};
+  crowds_[e.crowd] = std::make_unique<CrowdedCell>(box, listOf(e), members);
+}
+
+std::size_t ClusterGrid::bytes() const {
+  std::size_t bytes = entries_.capacity() * sizeof(Entry) + crowds_.capacity() * sizeof(crowds_[0]) +
+                      freeCrowds_.capacity() * sizeof(std::uint32_t);
+  for (const auto& crowd : crowds_)
+    if (crowd) bytes += crowd->bytes();
+  return bytes;
 }
 
 Clusters::Clusters(ClusterOptions options) : lists_(std::make_unique<ClusterGrid::Lists>()) {

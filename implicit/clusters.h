@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "implicit/arena.h"
+#include "implicit/crowded_cell.h"
 #include "implicit/geometry/box.h"
 
 namespace restroke::implicit {
@@ -43,26 +44,23 @@ class ClusterGrid {
   /// The list of a cell; empty when nothing touches it. O(1).
   [[nodiscard]] std::span<const std::uint32_t> at(Cell c) const;
   /// Calls f(list) for the list of every cell from `low` to `high`: by looking each cell up, or by going
-  /// through the cells that were ever used, whichever are fewer.
+  /// through the cells that were ever used, whichever are fewer. Where `decisive` is given, crowded cells
+  /// answer with the lists of their leaves that meet it (CrowdedCell).
   template <class F>
-  void forListsBetween(Cell low, Cell high, const F& f) const {
+  void forListsBetween(Cell low, Cell high, const F& f, const Box* decisive = nullptr) const {
     const auto along = [](std::int32_t a, std::int32_t b) { return static_cast<double>(b) - a + 1; };
     if (along(low.x, high.x) * along(low.y, high.y) * along(low.z, high.z) >
         static_cast<double>(entries_.size())) {
       for (const Entry& e : entries_) {
         const Cell& c = e.cell;
-        if (e.count != 0 && low.x <= c.x && c.x <= high.x && low.y <= c.y && c.y <= high.y && low.z <= c.z &&
-            c.z <= high.z)
-          f(listOf(e));
+        if (low.x <= c.x && c.x <= high.x && low.y <= c.y && c.y <= high.y && low.z <= c.z && c.z <= high.z)
+          report(e, decisive, f);
       }
       return;
     }
     for (std::int32_t z = low.z; z <= high.z; ++z)
       for (std::int32_t y = low.y; y <= high.y; ++y)
-        for (std::int32_t x = low.x; x <= high.x; ++x) {
-          const std::span<const std::uint32_t> list = at({x, y, z});
-          if (!list.empty()) f(list);
-        }
+        for (std::int32_t x = low.x; x <= high.x; ++x) report(entries_[find({x, y, z})], decisive, f);
   }
   /// Cells that were ever used: going through them all costs about as much as looking up so many.
   [[nodiscard]] std::size_t usedCells() const { return usedEntries_; }
@@ -71,18 +69,19 @@ class ClusterGrid {
   /// Box that holds all that was ever inserted since the grid was last empty.
   [[nodiscard]] const Box& hull() const { return hull_; }
 
-  using Labels = std::span<const std::uint64_t>;  ///< list order of each slot
-  void insert(std::uint32_t slot, const Box& box, Labels labels);
-  void remove(std::uint32_t slot, const Box& box, Labels labels);
+  void insert(std::uint32_t slot, const Box& box, const ClusterMembers& members);
+  void remove(std::uint32_t slot, const Box& box, const ClusterMembers& members);
   /// Without the lists.
-  [[nodiscard]] std::size_t bytes() const { return entries_.capacity() * sizeof(Entry); }
+  [[nodiscard]] std::size_t bytes() const;
 
  private:
   struct Entry {
     Cell cell;
     std::uint32_t count = 0;
     Lists::Handle list = Lists::kNone;  // none: the entry was never used
+    std::uint32_t crowd = kNoCrowd;     // in crowds_
   };
+  static constexpr std::uint32_t kNoCrowd = ~0u;
   [[nodiscard]] std::size_t find(Cell c) const;
   [[nodiscard]] std::span<const std::uint32_t> listOf(const Entry& e) const {
     return e.count == 0 ? std::span<const std::uint32_t>()
@@ -90,6 +89,17 @@ class ClusterGrid {
   }
   Entry& entryFor(Cell c);
   void grow();
+  void putIn(Entry& e, std::uint32_t slot, const ClusterMembers& members);
+  void takeFrom(Entry& e, std::uint32_t slot, const ClusterMembers& members);
+  void makeCrowd(Entry& e, const ClusterMembers& members);
+  template <class F>
+  void report(const Entry& e, const Box* decisive, const F& f) const {
+    if (e.count == 0) return;
+    if (decisive && e.crowd != kNoCrowd)
+      crowds_[e.crowd]->forListsIn(*decisive, f);
+    else
+      f(listOf(e));
+  }
 
   float cell_;
   Lists* lists_;
@@ -97,6 +107,8 @@ class ClusterGrid {
   std::size_t usedEntries_ = 0;
   Box hull_;
   std::vector<Entry> entries_;  // a power of two of them
+  std::vector<std::unique_ptr<CrowdedCell>> crowds_;
+  std::vector<std::uint32_t> freeCrowds_;
 };
 
 /// The hierarchy: a primitive is listed in the finest grid in which its box spans at most kMaxSpan cell
@@ -113,11 +125,11 @@ class Clusters {
   /// Throws InputError when the cell size is not finite or not positive.
   explicit Clusters(ClusterOptions options);
 
-  void insert(std::uint32_t slot, const Box& box, ClusterGrid::Labels labels) {
-    gridFor(box).insert(slot, box, labels);
+  void insert(std::uint32_t slot, const Box& box, const ClusterMembers& members) {
+    gridFor(box).insert(slot, box, members);
   }
-  void remove(std::uint32_t slot, const Box& box, ClusterGrid::Labels labels) {
-    gridFor(box).remove(slot, box, labels);
+  void remove(std::uint32_t slot, const Box& box, const ClusterMembers& members) {
+    gridFor(box).remove(slot, box, members);
   }
 
   /// All grids, finest first; most are empty.
@@ -125,10 +137,14 @@ class Clusters {
   /// Index of the finest grid that is not empty; of the ordinary one when all are.
   [[nodiscard]] std::size_t finestInUse() const;
 
+  /// Which primitives a query is about: all that touch the box, or, for the whole list, those that still
+  /// decide the side of a point in it or have a visible sample there.
+  enum class Wanted { All, Decisive };
+
   /// Calls f(list) for the list of every cell that meets the box. A primitive that touches several cells
   /// comes several times.
   template <class F>
-  void forListsIn(const Box& box, const F& f) const {
+  void forListsIn(const Box& box, Wanted wanted, const F& f) const {
     for (const ClusterGrid& grid : grids_) {
       if (grid.size() == 0) continue;
       const Box& hull = grid.hull();
@@ -141,7 +157,7 @@ class Clusters {
           grid.cellAt({low(box.min.x, hull.min.x), low(box.min.y, hull.min.y), low(box.min.z, hull.min.z)});
       const Cell hi = grid.cellAt(
           {high(box.max.x, hull.max.x), high(box.max.y, hull.max.y), high(box.max.z, hull.max.z)});
-      grid.forListsBetween(lo, hi, f);
+      grid.forListsBetween(lo, hi, f, wanted == Wanted::Decisive ? &box : nullptr);
     }
   }
 

@@ -39,7 +39,7 @@ void NearBalls::growSeen() {
 }
 
 void NearBalls::gather(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
-                       PrimitiveList::Label own) {
+                       const Place& own) {
   found_.clear();
   round_ = (round_ + 1) & 0xFFFFFFFF;
   if (round_ == 0) {
@@ -59,7 +59,9 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
   DropBall wide = region;
   wide.reach += far * 0x1p-16f;
   std::size_t lists = 0;
-  list.clusters().forListsIn({center - half, center + half}, [&](std::span<const std::uint32_t> slots) {
+  const bool wholeList = labelEnd == std::numeric_limits<PrimitiveList::Label>::max();
+  const auto wanted = wholeList ? Clusters::Wanted::Decisive : Clusters::Wanted::All;
+  list.clusters().forListsIn({center - half, center + half}, wanted, [&](std::span<const std::uint32_t> slots) {
     if (labels[slots.back()] >= labelEnd)
       slots = slots.first(static_cast<std::size_t>(
           std::partition_point(slots.begin(), slots.end(),
@@ -69,7 +71,7 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
     const std::size_t met = kernels.meetingSlots(balls, slots, wide, meeting_.data());
     const std::size_t before = found_.size();
     for (std::size_t i = 0; i < met; ++i)
-      if (isNew(meeting_[i])) found_.push_back({labels[meeting_[i]], meeting_[i]});
+      if (meeting_[i] != own.slot && isNew(meeting_[i])) found_.push_back({labels[meeting_[i]], meeting_[i]});
     lists += found_.size() > before;
   });
   if (lists > 1)
@@ -77,15 +79,10 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
   fill(list, own);
 }
 
-void NearBalls::fill(const PrimitiveList& list, PrimitiveList::Label own) {
-  if (own != std::numeric_limits<PrimitiveList::Label>::max()) {
-    const auto self = std::lower_bound(found_.begin(), found_.end(), own,
-                                       [](const Found& f, PrimitiveList::Label l) { return f.label < l; });
-    earlier_ = static_cast<std::uint32_t>(self - found_.begin());
-    if (self != found_.end() && self->label == own) found_.erase(self);
-  } else {
-    earlier_ = static_cast<std::uint32_t>(found_.size());
-  }
+void NearBalls::fill(const PrimitiveList& list, const Place& own) {
+  const auto later =
+      std::partition_point(found_.begin(), found_.end(), [&](const Found& f) { return f.label < own.label; });
+  earlier_ = static_cast<std::uint32_t>(later - found_.begin());
   const std::size_t n = found_.size();
   stride_ = (n + kPatch) / kPatch * kPatch;
   if (floats_.size() < 6 * stride_) floats_.resize(12 * stride_);

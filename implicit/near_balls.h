@@ -13,11 +13,19 @@ namespace restroke::implicit {
 /// their memory.
 class NearBalls {
  public:
-  /// Collects the primitives of the prefix whose ball may meet the sphere (conservatively: none that does is
-  /// left out). `own` splits them into earlier and later ones and is not itself among them; without it all
-  /// count as earlier.
+  /// Where the primitive stands whose samples are asked about.
+  struct Place {
+    PrimitiveList::Label label = std::numeric_limits<PrimitiveList::Label>::max();  ///< smaller: earlier
+    std::uint32_t slot = ~0u;  ///< its own, which is not collected
+  };
+  /// Collects the primitives of the prefix whose ball may meet the sphere, split into earlier and later ones;
+  /// without a place all count as earlier. Conservatively: none is left out that meets it and, of the whole
+  /// list, decides a side or has a visible sample in it (CrowdedCell).
   void gather(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
-              PrimitiveList::Label own = std::numeric_limits<PrimitiveList::Label>::max());
+              const Place& own);
+  void gather(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd) {
+    gather(list, region, labelEnd, {});
+  }
 
   [[nodiscard]] BallArrays arrays() const;
   [[nodiscard]] std::size_t size() const { return found_.size(); }
@@ -33,7 +41,7 @@ class NearBalls {
   };
   [[nodiscard]] bool isNew(std::uint32_t slot);
   void growSeen();
-  void fill(const PrimitiveList& list, PrimitiveList::Label own);
+  void fill(const PrimitiveList& list, const Place& own);
 
   std::vector<std::uint32_t> meeting_;  // of one cell
   std::vector<Found> found_;

@@ -59,7 +59,7 @@ void PrimitiveList::insert(std::size_t position, std::span<const Primitive> prim
     const std::uint32_t slot = takeSlot(primitives[i]);
     order_[position + i] = slot;
     labels_[slot] = before + (i + 1) * step;
-    clusters_.insert(slot, boundsOf(primitives[i].shape), labels_);
+    clusters_.insert(slot, boundsOf(primitives[i].shape), members());
   }
 }
 
@@ -69,6 +69,7 @@ std::uint32_t PrimitiveList::takeSlot(const Primitive& primitive) {
     slot = static_cast<std::uint32_t>(balls_.size());
     balls_.emplace_back();
     positive_.push_back(0);
+    isSphere_.push_back(0);
     labels_.push_back(0);
   } else {
     slot = free_.back();
@@ -76,6 +77,7 @@ std::uint32_t PrimitiveList::takeSlot(const Primitive& primitive) {
   }
   balls_[slot] = primitive.shape.ball();
   positive_[slot] = primitive.sign == Sign::Positive;
+  isSphere_[slot] = primitive.shape.isSphere();
   if (const auto& volume = primitive.shape.sharedVolume()) {
     balls_[slot].radius += volume->slack();
     if (volumes_.size() <= slot) volumes_.resize(slot + 1);
@@ -98,7 +100,7 @@ void PrimitiveList::remove(std::size_t first, std::size_t count) {
   RESTROKE_CHECK_LE(count, size() - first);
   for (std::size_t i = count; i-- > 0;) {
     const std::uint32_t slot = order_[first + i];
-    clusters_.remove(slot, boundsIn(slot), labels_);
+    clusters_.remove(slot, boundsIn(slot), members());
     if (slot < volumes_.size()) volumes_[slot].reset();
     free_.push_back(slot);
   }
@@ -157,6 +159,7 @@ std::size_t PrimitiveList::bytes() const {
   std::size_t bytes = posed.size() * sizeof(PosedVolume);
   for (const Volume* volume : volumes) bytes += volume->bytes();
   return bytes + balls_.capacity() * sizeof(Sphere) + positive_.capacity() +
+         isSphere_.capacity() +
          labels_.capacity() * sizeof(Label) + volumes_.capacity() * sizeof(volumes_[0]) +
          (free_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
 }

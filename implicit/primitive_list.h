@@ -88,6 +88,7 @@ class PrimitiveList {
 
  private:
   void relabelAll();
+  [[nodiscard]] ClusterMembers members() const { return {labels_, balls_, isSphere_}; }
   [[nodiscard]] std::uint32_t takeSlot(const Primitive& primitive);
 
   [[nodiscard]] Primitive primitiveIn(std::uint32_t slot) const;
@@ -95,7 +96,7 @@ class PrimitiveList {
 
   // Of each slot. Volumes only up to the last one: a list of spheres on a base has room for one.
   std::vector<Sphere> balls_;
-  std::vector<std::uint8_t> positive_;
+  std::vector<std::uint8_t> positive_, isSphere_;
   std::vector<Label> labels_;
   std::vector<std::shared_ptr<const PosedVolume>> volumes_;
   std::vector<std::uint32_t> free_;   // slots to use again

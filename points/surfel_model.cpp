@@ -8,10 +8,10 @@
 #include "points/surfel_model.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 
 #include "implicit/errors.h"
@@ -36,6 +36,12 @@ constexpr auto kWholeList = std::numeric_limits<PrimitiveList::Label>::max();
 
 // A primitive with more patches than this is evaluated in runs of one node of its tree.
 constexpr std::uint32_t kRunPatches = kPatch * kPatch;
+
+// A primitive of at most so many patches is looked at as one.
+constexpr std::uint32_t kSmall = 4 * kPatch;
+
+// In Edits::touched, in the place of a ball's number.
+constexpr std::uint32_t kAllPatches = ~0u;
 
 // From this many on, the primitives of one call are evaluated together.
 constexpr std::size_t kTogether = 4;
@@ -63,6 +69,10 @@ SampledShape SurfelModel::shapeIn(std::uint32_t slot) const {
   return shape;
 }
 
+NearBalls::Place SurfelModel::placeOf(std::uint32_t slot) const {
+  return {.label = list_.labels()[slot], .slot = slot};
+}
+
 DropBall SurfelModel::regionIn(std::uint32_t slot) const {
   return implicit::regionOf(list_[PrimitiveId{slot}].shape);
 }
@@ -79,12 +89,12 @@ void SurfelModel::insert(std::size_t position, std::span<const Primitive> primit
     (void)implicit::sampleCount(p.shape, sampling_.density);
   }
   if (edits_) {
+    const PrimitiveList::Label label = list_.labelEnd({position});
+    for (const Primitive& p : primitives) noteTouched(*edits_, p.shape, label);
     insertUnseen(position, primitives);
-    for (std::size_t i = 0; i < primitives.size(); ++i) {
-      edits_->balls.push_back(implicit::dropBall(primitives[i].shape));
-      if (!primitives[i].shape.isSphere()) edits_->shapes.push_back(primitives[i].shape);
-      edits_->inserted.push_back(PrimitiveList::slotOf(list_.idAt(position + i)));
-    }
+    for (std::size_t i = 0; i < primitives.size(); ++i)
+      edits_->touched.push_back(std::uint64_t{PrimitiveList::slotOf(list_.idAt(position + i))} << 32 |
+                                kAllPatches);
   } else if (position == list_.size() && primitives.size() >= kTogether) {
     appendTogether(primitives, execution);
   } else if (position < list_.size() && primitives.size() > 1) {
@@ -111,14 +121,19 @@ void SurfelModel::insertUnseen(std::size_t position, std::span<const Primitive> 
 }
 
 void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
+  // What is near is asked for before the primitive hides anything of it (CrowdedCell).
+  const DropBall drop = implicit::dropBall(primitive.shape);
+  const PrimitiveList::Label label = list_.labelEnd({position});
+  near_.gather(list_, drop, kWholeList, {.label = label});
+  const implicit::BallArrays balls = near_.arrays();
+  Edits younger;
+  for (std::size_t i = balls.earlier; i < near_.size(); ++i)
+    younger.touched.push_back(std::uint64_t{near_.slot(i)} << 32);
+
+  // Its own samples.
   const implicit::BallKernels& kernels = implicit::ballKernels();
   insertUnseen(position, {&primitive, 1});
   const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(position));
-  const DropBall drop = implicit::dropBall(primitive.shape);
-  near_.gather(list_, drop, kWholeList, list_.labels()[slot]);
-  const implicit::BallArrays balls = near_.arrays();
-
-  // Its own samples.
   const SampledShape shape = shapeIn(slot);
   const int top = shape.tree->levels - 1;
   std::size_t visible = 0;
@@ -136,16 +151,23 @@ void SurfelModel::insertOne(std::size_t position, const Primitive& primitive) {
     samples_[other].visible -= static_cast<std::uint32_t>(dropped);
     surfelCount_ -= dropped;
   }
-  if (near_.size() == balls.earlier) return;
-  std::vector<std::uint64_t> changed;
-  for (std::size_t i = balls.earlier; i < near_.size(); ++i) addTouched(near_.slot(i), drop, changed);
-  reevaluate(changed, {.threads = 1});
+  if (younger.touched.empty()) return;
+  younger.balls.push_back(drop);
+  evaluateTouched(younger, {.threads = 1});
 }
 
 // A stroke's stamps lie on each other, so that most of their samples would be evaluated only to be dropped by
 // the next stamp. Put on the list together, each sample is evaluated once, and the older primitives drop
 // theirs, each on one thread.
 void SurfelModel::appendTogether(std::span<const Primitive> primitives, const Execution& execution) {
+  // Older primitives with the number of each new one that reaches into them, before these hide any.
+  std::vector<std::uint64_t> older;
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    near_.gather(list_, implicit::dropBall(primitives[i].shape), kWholeList);
+    for (std::size_t k = 0; k < near_.size(); ++k)
+      if (samples_[near_.slot(k)].visible != 0) older.push_back(std::uint64_t{near_.slot(k)} << 32 | i);
+  }
+
   const std::size_t first = list_.size();
   insertUnseen(first, primitives);
   std::vector<Run> runs = runsOf(first, list_.size());
@@ -153,15 +175,7 @@ void SurfelModel::appendTogether(std::span<const Primitive> primitives, const Ex
   for (const Run& run : runs) masks[run.slot] = masksIn(run.slot);
   evaluate(runs, masks, {}, execution);
   take(runs);
-  if (first == 0) return;
 
-  // Older primitives with the number of each new one that reaches into them.
-  std::vector<std::uint64_t> older;
-  for (std::size_t i = 0; i < primitives.size(); ++i) {
-    near_.gather(list_, implicit::dropBall(primitives[i].shape), list_.labelOf(list_.idAt(first)));
-    for (std::size_t k = 0; k < near_.size(); ++k)
-      if (samples_[near_.slot(k)].visible != 0) older.push_back(std::uint64_t{near_.slot(k)} << 32 | i);
-  }
   std::sort(older.begin(), older.end());
   std::vector<std::size_t> groups;
   for (std::size_t i = 0; i < older.size(); ++i)
@@ -182,23 +196,21 @@ void SurfelModel::appendTogether(std::span<const Primitive> primitives, const Ex
 void SurfelModel::remove(std::size_t first, std::size_t count, const Execution& execution) {
   RESTROKE_CHECK_LE(first, list_.size());
   RESTROKE_CHECK_LE(count, list_.size() - first);
-  Edits now;
-  Edits& edits = edits_ ? *edits_ : now;
-  for (std::size_t i = count; i-- > 0;) {
+  std::vector<implicit::Shape> shapes;
+  for (std::size_t i = 0; i < count; ++i) {
     const PrimitiveId id = list_.idAt(first + i);
-    const implicit::Shape shape = list_[id].shape;
-    edits.balls.push_back(implicit::dropBall(shape));
-    if (!shape.isSphere()) edits.shapes.push_back(shape);
+    shapes.push_back(list_[id].shape);
     Samples& own = samples_[PrimitiveList::slotOf(id)];
     surfelCount_ -= own.visible;
     masks_.giveBack(own.masks, own.patches);
     own = {};
   }
   list_.remove(first, count);
-  if (edits_) return;
   // What was in a removed ball, or asked about it, is evaluated again.
-  std::vector<std::uint64_t> changed;
-  reevaluateAround(now.balls, changed, execution);
+  Edits now;
+  Edits& edits = edits_ ? *edits_ : now;
+  for (const implicit::Shape& shape : shapes) noteTouched(edits, shape, 0);
+  if (!edits_) evaluateTouched(now, execution);
 }
 
 void SurfelModel::beginEdits() {
@@ -209,54 +221,101 @@ void SurfelModel::beginEdits() {
 void SurfelModel::endEdits(const Execution& execution) {
   RESTROKE_CHECK_EQ(edits_ != nullptr, true);
   const std::unique_ptr<Edits> edits = std::move(edits_);
-  std::vector<std::uint64_t> changed;
-  for (const std::uint32_t slot : edits->inserted)  // those removed since have no patches
-    for (std::uint32_t p = 0; p < samples_[slot].patches; ++p) changed.push_back(std::uint64_t{slot} << 32 | p);
-  reevaluateAround(edits->balls, changed, execution);
+  evaluateTouched(*edits, execution);
 }
 
-void SurfelModel::reevaluateAround(std::span<const DropBall> balls, std::vector<std::uint64_t>& patches,
-                                   const Execution& execution) {
-  for (const DropBall& ball : balls) {
-    near_.gather(list_, ball, kWholeList);
-    for (std::size_t i = 0; i < near_.size(); ++i) addTouched(near_.slot(i), ball, patches);
+// Notes which primitives the shape touches: just before it comes, or just after it has gone, since what it
+// hides is not on the lists in between (CrowdedCell). Of those with labels under `before`, samples can only
+// go.
+void SurfelModel::noteTouched(Edits& edits, const implicit::Shape& shape, PrimitiveList::Label before) {
+  const std::size_t number = edits.balls.size();
+  edits.balls.push_back(implicit::dropBall(shape));
+  if (!shape.isSphere()) edits.shapes.push_back(shape);
+  near_.gather(list_, edits.balls.back(), kWholeList, {.label = before});
+  const std::uint32_t earlier = near_.arrays().earlier;
+  for (std::size_t i = 0; i < near_.size(); ++i)
+    if (i >= earlier || samples_[near_.slot(i)].visible != 0)
+      edits.touched.push_back(std::uint64_t{near_.slot(i)} << 32 | number);
+}
+
+// Patches of one primitive that are evaluated with one look at what is near.
+struct SurfelModel::Touch {
+  std::uint32_t slot = 0;
+  std::uint32_t block = kWhole;  // of 16 patches
+  std::uint16_t bits = 0;        // of the block's patches
+  std::size_t first = 0, last = 0;  // in Edits::touched
+  static constexpr std::uint32_t kWhole = ~0u;
+};
+
+std::vector<SurfelModel::Touch> SurfelModel::touchesOf(const Edits& edits) const {
+  std::vector<Touch> touches;
+  for (std::size_t i = 0; i < edits.touched.size();) {
+    const auto slot = static_cast<std::uint32_t>(edits.touched[i] >> 32);
+    Touch touch{.slot = slot, .first = i};
+    while (i < edits.touched.size() && edits.touched[i] >> 32 == slot) ++i;
+    touch.last = i;
+    if (samples_[slot].patches == 0) continue;  // gone since
+    if (samples_[slot].patches <= kSmall)
+      touches.push_back(touch);
+    else
+      touchBlocks(edits, touch, touches);
   }
-  reevaluate(patches, execution);
+  return touches;
 }
 
-void SurfelModel::addTouched(std::uint32_t slot, const DropBall& ball, std::vector<std::uint64_t>& patches) {
-  touched_.resize(std::max<std::size_t>(touched_.size(), samples_[slot].patches));
-  const std::size_t n = implicit::ballKernels().touchedPatches(shapeIn(slot), ball, touched_.data());
-  for (std::size_t k = 0; k < n; ++k) patches.push_back(std::uint64_t{slot} << 32 | touched_[k]);
+// A large primitive block by block.
+void SurfelModel::touchBlocks(const Edits& edits, const Touch& touch, std::vector<Touch>& touches) const {
+  const SampledShape shape = shapeIn(touch.slot);
+  std::vector<std::uint16_t> bits((samples_[touch.slot].patches + kPatch - 1) / kPatch, 0);
+  for (std::size_t i = touch.first; i < touch.last; ++i)
+    markTouched(shape, edits, edits.touched[i], bits);
+  for (std::uint32_t block = 0; block < bits.size(); ++block)
+    if (bits[block] != 0) touches.push_back({.slot = touch.slot, .block = block, .bits = bits[block]});
 }
 
-void SurfelModel::reevaluate(std::vector<std::uint64_t>& patches, const Execution& execution) {
-  if (patches.empty()) return;
-  std::sort(patches.begin(), patches.end());
-  patches.erase(std::unique(patches.begin(), patches.end()), patches.end());
-  // Patches of one node of the tree, or of one small primitive, share what is near them.
-  std::vector<std::size_t> groups;  // where each begins
-  for (std::size_t i = 0; i < patches.size(); ++i)
-    if (i == 0 || patches[i] / kPatch != patches[i - 1] / kPatch) groups.push_back(i);
-  groups.push_back(patches.size());
+void SurfelModel::markTouched(const SampledShape& shape, const Edits& edits, std::uint64_t touched,
+                              std::span<std::uint16_t> blocks) {
+  const auto ball = static_cast<std::uint32_t>(touched);
+  if (ball != kAllPatches) {
+    implicit::ballKernels().touchedPatches(shape, edits.balls[ball], blocks.data());
+    return;
+  }
+  const std::uint32_t patches = shape.tree->level[0].count;
+  for (std::uint32_t p = 0; p < patches; ++p)
+    blocks[p / kPatch] |= static_cast<std::uint16_t>(1u << p % kPatch);
+}
 
-  std::vector<std::ptrdiff_t> grown(groups.size() - 1);
-  forEach(grown.size(), execution, [&](std::size_t g, NearBalls& near) {
-    const std::size_t first = groups[g], n = groups[g + 1] - first;
-    const auto slot = static_cast<std::uint32_t>(patches[first] >> 32);
-    const SampledShape shape = shapeIn(slot);
-    std::uint32_t numbers[kPatch];
-    for (std::size_t k = 0; k < n; ++k) numbers[k] = static_cast<std::uint32_t>(patches[first + k]);
-    const DropBall region = shape.tree->levels > 1
-                                ? implicit::regionOfNode(shape, 1, numbers[0] / std::uint32_t{kPatch})
-                                : regionIn(slot);
-    near.gather(list_, region, kWholeList, list_.labels()[slot]);
-    grown[g] =
-        implicit::ballKernels().evaluatePatches(shape, {numbers, n}, near.arrays(), masksIn(slot));
-  });
-  for (std::size_t g = 0; g < grown.size(); ++g)
-    samples_[patches[groups[g]] >> 32].visible += static_cast<std::uint32_t>(grown[g]);
-  surfelCount_ += static_cast<std::size_t>(std::accumulate(grown.begin(), grown.end(), std::ptrdiff_t{0}));
+std::ptrdiff_t SurfelModel::evaluateTouch(const Edits& edits, const Touch& touch, NearBalls& near) {
+  const SampledShape shape = shapeIn(touch.slot);
+  std::uint16_t bits[kSmall / kPatch] = {};
+  const bool whole = touch.block == Touch::kWhole;
+  if (whole)
+    for (std::size_t i = touch.first; i < touch.last; ++i) markTouched(shape, edits, edits.touched[i], bits);
+  else
+    bits[0] = touch.bits;
+  std::uint32_t patches[kSmall];
+  std::size_t n = 0;
+  for (std::uint32_t block = 0; block < std::size(bits); ++block)
+    for (std::uint32_t rest = bits[block]; rest != 0; rest &= rest - 1)
+      patches[n++] = (whole ? block : touch.block) * std::uint32_t{kPatch} +
+                     static_cast<std::uint32_t>(std::countr_zero(rest));
+  if (n == 0) return 0;
+  const DropBall region =
+      whole ? regionIn(touch.slot) : implicit::regionOfNode(shape, 1, touch.block);
+  near.gather(list_, region, kWholeList, placeOf(touch.slot));
+  return implicit::ballKernels().evaluatePatches(shape, {patches, n}, near.arrays(), masksIn(touch.slot));
+}
+
+void SurfelModel::evaluateTouched(Edits& edits, const Execution& execution) {
+  std::sort(edits.touched.begin(), edits.touched.end());
+  const std::vector<Touch> touches = touchesOf(edits);
+  std::vector<std::ptrdiff_t> grown(touches.size());
+  forEach(touches.size(), execution,
+          [&](std::size_t i, NearBalls& near) { grown[i] = evaluateTouch(edits, touches[i], near); });
+  for (std::size_t i = 0; i < grown.size(); ++i) {
+    samples_[touches[i].slot].visible += static_cast<std::uint32_t>(grown[i]);
+    surfelCount_ += static_cast<std::size_t>(grown[i]);
+  }
 }
 
 template <class F>
@@ -299,7 +358,7 @@ void SurfelModel::evaluate(std::span<Run> runs, std::span<std::uint16_t* const> 
     const SampledShape shape = shapeIn(run.slot);
     const DropBall region =
         run.whole ? regionIn(run.slot) : implicit::regionOfNode(shape, run.level, run.node);
-    near.gather(list_, region, end, list_.labels()[run.slot]);
+    near.gather(list_, region, end, placeOf(run.slot));
     const std::uint32_t first = run.whole ? 0 : run.node;
     const std::uint32_t last = run.whole ? shape.tree->level[run.level].count : run.node + 1;
     std::size_t visible = 0;
@@ -341,7 +400,7 @@ ModelBytes SurfelModel::bytes() const {
   return {.list = list_.bytes(),
           .clusters = list_.clusters().bytes(),
           .surfels = samples_.capacity() * sizeof(Samples) + masks_.bytes(),
-          .scratch = near_.bytes() + touched_.capacity() * sizeof(std::uint32_t),
+          .scratch = near_.bytes(),
           .tables = implicit::bytesOfSphereSamples()};
 }
 

@@ -83,6 +83,7 @@ class SurfelModel {
   [[nodiscard]] const implicit::SampleTable& tableIn(std::uint32_t slot) const;
   [[nodiscard]] implicit::SampledShape shapeIn(std::uint32_t slot) const;
   [[nodiscard]] implicit::DropBall regionIn(std::uint32_t slot) const;
+  [[nodiscard]] implicit::NearBalls::Place placeOf(std::uint32_t slot) const;
   [[nodiscard]] std::uint16_t* masksIn(std::uint32_t slot) { return masks_.at(samples_[slot].masks); }
   [[nodiscard]] const std::uint16_t* masksIn(std::uint32_t slot) const {
     return masks_.at(samples_[slot].masks);
@@ -90,11 +91,15 @@ class SurfelModel {
   void insertOne(std::size_t position, const implicit::Primitive& primitive);
   void appendTogether(std::span<const implicit::Primitive> primitives, const Execution& execution);
   void insertUnseen(std::size_t position, std::span<const implicit::Primitive> primitives);
-  void reevaluateAround(std::span<const implicit::DropBall> balls, std::vector<std::uint64_t>& patches,
-                        const Execution& execution);
-  /// Appends the patches of a primitive that reach into the ball, as slot << 32 | patch.
-  void addTouched(std::uint32_t slot, const implicit::DropBall& ball, std::vector<std::uint64_t>& patches);
-  void reevaluate(std::vector<std::uint64_t>& patches, const Execution& execution);
+  struct Edits;
+  void noteTouched(Edits& edits, const implicit::Shape& shape, implicit::PrimitiveList::Label before);
+  void evaluateTouched(Edits& edits, const Execution& execution);
+  struct Touch;
+  [[nodiscard]] std::vector<Touch> touchesOf(const Edits& edits) const;
+  void touchBlocks(const Edits& edits, const Touch& touch, std::vector<Touch>& touches) const;
+  static void markTouched(const implicit::SampledShape& shape, const Edits& edits, std::uint64_t touched,
+                          std::span<std::uint16_t> blocks);
+  std::ptrdiff_t evaluateTouch(const Edits& edits, const Touch& touch, implicit::NearBalls& near);
   void evaluate(std::span<Run> runs, std::span<std::uint16_t* const> masks, implicit::Prefix prefix,
                 const Execution& execution) const;
   void take(std::span<const Run> runs);
@@ -112,13 +117,13 @@ class SurfelModel {
   Masks masks_;
   std::vector<Samples> samples_;  // by slot
   implicit::NearBalls near_;
-  std::vector<std::uint32_t> touched_;  // scratch of addTouched
 
   /// What has been changed since beginEdits.
   struct Edits {
     std::vector<implicit::DropBall> balls;  // of what came and what went
     std::vector<implicit::Shape> shapes;    // keeps the volumes that `balls` refers to
-    std::vector<std::uint32_t> inserted;    // slots
+    // Primitives with a ball that reaches into them, slot << 32 | ball; the ball kAllPatches for new ones.
+    std::vector<std::uint64_t> touched;
   };
   std::unique_ptr<Edits> edits_;
 };

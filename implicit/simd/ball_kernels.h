@@ -136,9 +136,8 @@ struct BallKernels {
                               const BallArrays& balls, std::uint16_t* masks);
   /// Clears the samples that lie in the ball; returns how many were visible before.
   std::size_t (*dropSamples)(const SampledShape& shape, const DropBall& drop, std::uint16_t* masks);
-  /// Writes the numbers of the patches that may meet the ball, in order; returns how many. `out` has room for
-  /// all.
-  std::size_t (*touchedPatches)(const SampledShape& shape, const DropBall& drop, std::uint32_t* out);
+  /// Marks the patches that may meet the ball: bit k of blocks[b] is patch 16 b + k. Others stay.
+  void (*touchedPatches)(const SampledShape& shape, const DropBall& drop, std::uint16_t* blocks);
 };
 
 [[nodiscard]] const BallKernels& ballKernels();

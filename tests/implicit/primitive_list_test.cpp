@@ -73,7 +73,7 @@ TEST(PrimitiveList, S4ClusterListsHoldExactlyWhatTouches) {
   for (int k = 0; k < 2000; ++k) {
     const Point p = random.inCube(1.5f);
     std::vector<bool> listed(plain.size(), false);
-    list.clusters().forListsIn({p, p}, [&](std::span<const std::uint32_t> slots) {
+    list.clusters().forListsIn({p, p}, Clusters::Wanted::All, [&](std::span<const std::uint32_t> slots) {
       for (const std::uint32_t s : slots) listed[list.positionOf(PrimitiveId{s})] = true;
       for (std::size_t i = 1; i < slots.size(); ++i)
         EXPECT_LT(list.positionOf(PrimitiveId{slots[i - 1]}), list.positionOf(PrimitiveId{slots[i]}));
