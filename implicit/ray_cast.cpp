@@ -14,6 +14,7 @@
 #include "implicit/ray_cast.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <vector>
 
@@ -35,15 +36,14 @@ struct Interval {
   [[nodiscard]] bool holds(double t) const { return enter <= t && t < exit; }
 };
 
-// What about a ray does not change along it.
-struct RayNumbers {
-  explicit RayNumbers(const Ray& ray)
-      : dd(dot(ray.direction, ray.direction)),
-        inverse(1 / ray.direction.x, 1 / ray.direction.y, 1 / ray.direction.z) {}
+// How intervals are kept: last in the list first.
+bool laterFirst(const Interval& a, const Interval& b) {
+  return a.label > b.label;
+}
 
-  double dd;      // squared length of the direction
-  DVec3 inverse;  // infinite where the direction has no such component
-};
+[[nodiscard]] double sumOfMagnitudes(DVec3 a) {
+  return std::fabs(a.x) + std::fabs(a.y) + std::fabs(a.z);
+}
 
 // Parameters between which the ray is in the box; enter > exit when it misses. The box is widened a little.
 RayInterval clip(const Ray& ray, const DVec3& inverse, const Box& box, double pad) {
@@ -62,133 +62,85 @@ RayInterval clip(const Ray& ray, const DVec3& inverse, const Box& box, double pa
   return {enter, exit};
 }
 
-[[nodiscard]] double sumOfMagnitudes(DVec3 a) {
-  return std::fabs(a.x) + std::fabs(a.y) + std::fabs(a.z);
-}
-
-// One grid's cells along the ray. Before and after the stretch in which the grid has anything, all of the way
-// is one empty cell.
+// One grid's cells along the ray. The first reaches back to the ray's start, where the grid has nothing, and
+// after all of them an empty one lasts to the ray's end.
 class CellWalk {
  public:
   // False when the ray misses all that the grid has.
-  bool start(const ClusterGrid& grid, const Ray& ray, const RayNumbers& numbers) {
-    const RayInterval in = clip(ray, numbers.inverse, grid.hull(), 1e-4 * static_cast<double>(grid.cell()));
+  bool start(const ClusterGrid& grid, const Ray& ray, const DVec3& inverse) {
+    const double size = static_cast<double>(grid.cell());
+    const RayInterval in = clip(ray, inverse, grid.hull(), 1e-4 * size);
     if (!(in.enter < in.exit)) return false;
     grid_ = &grid;
+    enter_ = in.enter;
     exit_ = in.exit;
     end_ = ray.tMax;
     cellStart_ = ray.tMin;
-    cellEnd_ = in.enter;
-    stepsLeft_ = kBefore;
-    sparse_ = false;
-    slots_ = {};
-    if (!(in.enter > ray.tMin)) next(ray, numbers);
+    const double used = 4 * static_cast<double>(grid.usedCells());
+    // So many cells on the way that it is quicker to look through all that are in use: small primitives far
+    // apart.
+    sparse_ = (exit_ - enter_) * sumOfMagnitudes(ray.direction) > used * size;
+    if (sparse_) {
+      slots_ = {};
+      cellEnd_ = end_;
+      return true;
+    }
+    // No more, and a few for rounding: where t has too few digits left to tell cells apart (an origin
+    // absurdly far away), the walk still ends.
+    stepsLeft_ = static_cast<std::int64_t>(used) + 12;
+    const Cell first = grid.cellAt(ray.at(enter_));
+    const std::int32_t index[3] = {first.x, first.y, first.z};
+    for (int a = 0; a < 3; ++a) {
+      const double d = ray.direction[a];
+      const std::int32_t ahead = d > 0 ? 1 : 0;
+      index_[a] = index[a];
+      step_[a] = 2 * ahead - 1;
+      delta_[a] = size * std::fabs(inverse[a]);
+      faces_[a] = d == 0 ? kInfinity : ((index[a] + ahead) * size - ray.origin[a]) * inverse[a];
+    }
+    arrive();
     return true;
   }
 
-  [[nodiscard]] double cellStart() const { return cellStart_; }
   [[nodiscard]] double cellEnd() const { return cellEnd_; }
-  // Where the ray leaves what the grid has.
+  // The part of the present cell where the grid may have something.
+  [[nodiscard]] RayInterval stretch() const {
+    const double enter = std::max(cellStart_, enter_);
+    return {enter, std::max(enter, std::min(cellEnd_, exit_))};
+  }
   [[nodiscard]] double exit() const { return exit_; }
   [[nodiscard]] const ClusterGrid& grid() const { return *grid_; }
-  // The present cell's list. When sparse, all of the grid's lists count instead.
+  // The present cell's list. When sparse, all of the grid's lists count instead, and there is only one cell.
   [[nodiscard]] std::span<const std::uint32_t> slots() const { return slots_; }
   [[nodiscard]] bool sparse() const { return sparse_; }
-  [[nodiscard]] bool empty() const { return slots_.empty() && !sparse_; }
 
-  void next(const Ray& ray, const RayNumbers& numbers) {
+  void next() {
     cellStart_ = cellEnd_;
-    if (stepsLeft_ == kBefore) {
-      enterGrid(ray, numbers);
+    faces_[axis_] += delta_[axis_];
+    index_[axis_] += step_[axis_];
+    if (--stepsLeft_ > 0 && cellStart_ < exit_) {
+      arrive();
     } else {
-      step(nearestFace());
-    }
-    if (stepsLeft_ <= 0 || !(cellStart_ < exit_)) {
-      leave();
-    } else if (sparse_) {
-      stepsLeft_ = 1;
-      cellEnd_ = exit_;
-    } else {
-      endCell();
-      slots_ = grid_->at(cell_);
-    }
-  }
-
-  // The same, and on through empty cells as long as they end no later than `limit`.
-  void nextBeyondEmpty(const Ray& ray, const RayNumbers& numbers, double limit) {
-    do next(ray, numbers);
-    while (slots_.empty() && cellEnd_ <= limit && stepsLeft_ > 0 && !sparse_);
-  }
-
-  // Takes the following cells into the present one as long as they have the same few primitives: the base of
-  // a model is large beside its cells.
-  void widen() {
-    constexpr std::size_t kFew = 8;
-    constexpr int kCells = 8;
-    for (int i = 0; i < kCells && stepsLeft_ > 1 && stepsLeft_ != kBefore && !sparse_ && cellEnd_ < exit_ &&
-                    slots_.size() <= kFew;
-         ++i) {
-      const Cell before = cell_;
-      const int a = nearestFace();
-      index(a) += step_[a];
-      const std::span<const std::uint32_t> ahead = grid_->at(cell_);
-      cell_ = before;
-      if (!std::equal(slots_.begin(), slots_.end(), ahead.begin(), ahead.end())) return;
-      step(a);
-      endCell();
-      slots_ = ahead;
+      slots_ = {};
+      cellEnd_ = end_;
     }
   }
 
  private:
-  static constexpr std::int64_t kBefore = std::numeric_limits<std::int64_t>::max();
-
-  [[nodiscard]] std::int32_t& index(int axis) { return axis == 0 ? cell_.x : axis == 1 ? cell_.y : cell_.z; }
-  [[nodiscard]] int nearestFace() const {
-    return faces_[0] <= faces_[1] ? (faces_[0] <= faces_[2] ? 0 : 2) : (faces_[1] <= faces_[2] ? 1 : 2);
-  }
-  void step(int axis) {
-    faces_[axis] += delta_[axis];
-    index(axis) += step_[axis];
-    --stepsLeft_;
-  }
-  void endCell() {
-    cellEnd_ = std::min(std::max(std::min(faces_[0], std::min(faces_[1], faces_[2])), cellStart_), exit_);
-  }
-  void leave() {
-    stepsLeft_ = 0;
-    sparse_ = false;
-    slots_ = {};
-    cellEnd_ = end_;
-  }
-
-  void enterGrid(const Ray& ray, const RayNumbers& numbers) {
-    const double size = static_cast<double>(grid_->cell());
-    const DVec3& d = ray.direction;
-    const double steps = (exit_ - cellStart_) * sumOfMagnitudes(d) / size;
-    // So many cells on the way that it is quicker to look through all that are in use: small primitives far
-    // apart.
-    sparse_ = steps > 4 * static_cast<double>(grid_->usedCells());
-    if (sparse_) return;
-    // And a few more for rounding: where t has too few digits left to tell cells apart (an origin absurdly far
-    // away), the walk still ends.
-    stepsLeft_ = static_cast<std::int64_t>(steps) + 12;
-    cell_ = grid_->cellAt(ray.at(cellStart_));
-    for (int a = 0; a < 3; ++a) {
-      step_[a] = d[a] > 0 ? 1 : -1;
-      delta_[a] = size * std::fabs(numbers.inverse[a]);
-      faces_[a] = d[a] == 0
-                      ? kInfinity
-                      : ((index(a) + (d[a] > 0 ? 1 : 0)) * size - ray.origin[a]) * numbers.inverse[a];
-    }
+  void arrive() {
+    const double xy = std::min(faces_[0], faces_[1]);
+    axis_ = faces_[1] < faces_[0] ? 1 : 0;
+    axis_ = faces_[2] < xy ? 2 : axis_;
+    cellEnd_ = std::min(std::max(std::min(xy, faces_[2]), cellStart_), exit_);
+    slots_ = grid_->at({index_[0], index_[1], index_[2]});
   }
 
   const ClusterGrid* grid_;
-  double exit_, end_;  // where the ray leaves what the grid has, and where it ends
+  double enter_, exit_, end_;  // where the ray enters and leaves what the grid has, and where it ends
   double cellStart_, cellEnd_;
   double faces_[3], delta_[3];  // parameters of the next faces, and between two
-  std::int32_t step_[3];
-  Cell cell_;
+  std::int32_t step_[3], index_[3];
+  int axis_;  // of the nearest face
   std::int64_t stepsLeft_;
   bool sparse_;
   std::span<const std::uint32_t> slots_;
@@ -197,8 +149,11 @@ class CellWalk {
 // Memory that one thread's rays use one after the other.
 struct Scratch {
   CellWalk walks[Clusters::kGrids];
-  std::vector<Interval> own[Clusters::kGrids];  // of each walk's cell, but the first's
-  std::vector<Interval> coarse, active;
+  // Of the coarser grids: what each walk's cell has, and all together.
+  std::vector<Interval> own[Clusters::kGrids];
+  std::span<const std::uint32_t> ownSlots[Clusters::kGrids];
+  std::vector<Interval> coarse;
+  std::vector<Interval> active;  // of the finest grid's cell and the others
   std::vector<std::uint32_t> near;
   RayBatch batch;
   // Volumes that were intersected already, which costs more than looking here.
@@ -215,65 +170,79 @@ class Cast {
   Cast(const PrimitiveList& list, const Ray& ray, Prefix prefix, Scratch& scratch)
       : list_(list),
         ray_(ray),
-        numbers_(ray),
         kernels_(rayKernels()),
         end_(list.labelEnd(prefix)),
         s_(scratch),
         t_(ray.tMin) {}
 
   std::optional<RayHit> run() {
+    const DVec3 &o = ray_.origin, &d = ray_.direction;
+    const double dd = dot(d, d);
     // The operations of intersect(Sphere, Ray) find nothing either where this is not so.
-    if (!(numbers_.dd > 0 && numbers_.dd < kInfinity)) return std::nullopt;
+    if (!(dd > 0 && dd < kInfinity)) return std::nullopt;
+    const DVec3 inverse(1 / d.x, 1 / d.y, 1 / d.z);
     for (const ClusterGrid& grid : list_.clusters().grids())
-      if (grid.size() > 0 && s_.walks[walks_].start(grid, ray_, numbers_)) ++walks_;
+      if (grid.size() > 0 && s_.walks[walks_].start(grid, ray_, inverse)) ++walks_;
     if (walks_ == 0) return std::nullopt;
-    length_ = std::sqrt(numbers_.dd);
-    unit_ = ray_.direction * (1 / length_);
+    line_ = {o.x, o.y, o.z, d.x, d.y, d.z, dd};
+    length_ = std::sqrt(dd);
+    const DVec3 unit = d * (1 / length_);
+    stretch_.dx = static_cast<float>(unit.x);
+    stretch_.dy = static_cast<float>(unit.y);
+    stretch_.dz = static_cast<float>(unit.z);
     // More than double arithmetic loses on the way to where anything may be.
-    loss_ = 0x1p-46 * sumOfMagnitudes(ray_.origin);
+    loss_ = static_cast<float>(0x1p-46 * sumOfMagnitudes(o));
     s_.seen.clear();
     s_.intervals.clear();
-    if (walks_ > 1) {
-      for (std::size_t i = 1; i < walks_; ++i) fillOwn(i);
-      gatherCoarse();
-    } else {
-      s_.coarse.clear();
-      coarseEnd_ = ray_.tMax;
-    }
+    return walk();
+  }
+
+ private:
+  std::optional<RayHit> walk() {
     CellWalk& fine = s_.walks[0];
+    for (std::size_t i = 1; i < walks_; ++i) fillOwn(i);
+    gatherCoarse();
+    arrive();
     while (!stretch(std::min(fine.cellEnd(), coarseEnd_))) {
-      if (!(t_ < ray_.tMax)) return std::nullopt;
-      if (coarseEnd_ <= t_) moveCoarse();
-      while (fine.cellEnd() <= t_ && t_ < ray_.tMax) {
-        fine.nextBeyondEmpty(ray_, numbers_, quietTo_);
-        t_ = fine.empty() && fine.cellEnd() <= quietTo_ ? fine.cellEnd() : fine.cellStart();
-      }
-      if (!(t_ < ray_.tMax)) return std::nullopt;
+      // On through cells that add nothing, as long as nothing changes.
+      do {
+        if (!(t_ < ray_.tMax)) return std::nullopt;
+        if (coarseEnd_ <= t_) moveCoarse();
+        if (fine.cellEnd() <= t_) fine.next();
+        arrive();
+      } while (quiet_ && fine.cellEnd() <= quietTo_ && (t_ = fine.cellEnd(), true));
     }
     return hit_;
   }
 
- private:
+  // Takes up what the finest grid's present cell has.
+  void arrive() {
+    const CellWalk& fine = s_.walks[0];
+    s_.active.clear();
+    if (fine.sparse() || !fine.slots().empty()) collect(fine, fine.stretch(), s_.active);
+    quiet_ = s_.active.empty();
+    if (quiet_ || s_.coarse.empty()) return;
+    const auto fines = static_cast<std::ptrdiff_t>(s_.active.size());
+    const bool ordered = s_.coarse.front().label < s_.active.back().label;
+    s_.active.insert(s_.active.end(), s_.coarse.begin(), s_.coarse.end());
+    if (!ordered)
+      std::inplace_merge(s_.active.begin(), s_.active.begin() + fines, s_.active.end(), laterFirst);
+  }
+
   // Goes on to parameter `to`, beyond which other cells know more. True when the hit was found.
   bool stretch(double to) {
-    const CellWalk& fine = s_.walks[0];
-    const std::vector<Interval>* active = &s_.coarse;
-    if (!fine.empty()) {
-      s_.active.clear();
-      collect(fine, {t_, to}, s_.coarse, s_.active);
-      active = &s_.active;
-    }
-    const Interval* owner = ownerAt(*active, t_);
+    const std::vector<Interval>& active = quiet_ ? s_.coarse : s_.active;
+    const Interval* owner = ownerAt(active, t_);
     if (event(owner)) return true;
     for (;;) {
-      const double next = nextEvent(*active, owner);
+      const double next = nextEvent(active, owner);
       if (!(next < to)) {
-        quietTo_ = fine.empty() ? std::min(next, coarseEnd_) : -kInfinity;
+        quietTo_ = quiet_ ? std::min(next, coarseEnd_) : -kInfinity;
         t_ = to;
         return false;
       }
       t_ = next;
-      owner = ownerAt(*active, t_);
+      owner = ownerAt(active, t_);
       if (event(owner)) return true;
     }
   }
@@ -317,73 +286,55 @@ class Cast {
     return crossed;
   }
 
-  // The coarser grids: of each, what its present cell adds, and all of them together.
+  // The coarser grids.
 
-  void fillOwn(std::size_t walk) {
-    CellWalk& w = s_.walks[walk];
-    s_.own[walk].clear();
-    w.widen();
-    if (!w.empty()) collect(w, {w.cellStart(), w.cellEnd()}, {}, s_.own[walk]);
+  void fillOwn(std::size_t i) {
+    const CellWalk& w = s_.walks[i];
+    s_.own[i].clear();
+    s_.ownSlots[i] = w.slots();
+    // A few are looked for all along the way: the next cell may well have the same ones, since the base of a
+    // model is large beside its cells.
+    RayInterval along = w.stretch();
+    if (w.slots().size() <= kFew) along.exit = w.exit();
+    if (w.sparse() || !w.slots().empty()) collect(w, along, s_.own[i]);
   }
 
   void moveCoarse() {
+    bool same = true;
     for (std::size_t i = 1; i < walks_; ++i) {
       CellWalk& w = s_.walks[i];
       if (w.cellEnd() > t_) continue;
-      while (w.cellEnd() <= t_) w.next(ray_, numbers_);
+      while (w.cellEnd() <= t_) w.next();
+      const std::span<const std::uint32_t> now = w.slots(), before = s_.ownSlots[i];
+      if (now.size() <= kFew && std::equal(now.begin(), now.end(), before.begin(), before.end())) continue;
       fillOwn(i);
+      same = false;
     }
-    gatherCoarse();
+    if (!same)
+      gatherCoarse();
+    else
+      endCoarse();
+  }
+
+  void endCoarse() {
+    coarseEnd_ = ray_.tMax;
+    quietTo_ = -kInfinity;
+    for (std::size_t i = 1; i < walks_; ++i) coarseEnd_ = std::min(coarseEnd_, s_.walks[i].cellEnd());
   }
 
   void gatherCoarse() {
-    coarseEnd_ = ray_.tMax;
-    quietTo_ = -kInfinity;
+    endCoarse();
     s_.coarse.clear();
     std::size_t parts = 0;
     for (std::size_t i = 1; i < walks_; ++i) {
-      coarseEnd_ = std::min(coarseEnd_, s_.walks[i].cellEnd());
       if (s_.own[i].empty()) continue;
       ++parts;
       s_.coarse.insert(s_.coarse.end(), s_.own[i].begin(), s_.own[i].end());
     }
-    if (parts > 1)
-      std::sort(s_.coarse.begin(), s_.coarse.end(), [](const Interval& a, const Interval& b) {
-        return a.label != b.label ? a.label > b.label : a.enter < b.enter;
-      });
+    if (parts > 1) std::sort(s_.coarse.begin(), s_.coarse.end(), laterFirst);
   }
 
-  // Appends to `out` what may own any of the stretch: of the walk's present cell and of `others`, last in the
-  // list first.
-  void collect(const CellWalk& walk, RayInterval along, std::span<const Interval> others,
-               std::vector<Interval>& out) {
-    Merge merge{along, others, out};
-    if (walk.sparse())
-      collectAll(walk.grid(), merge);
-    else
-      collect(walk.slots(), merge);
-    if (!merge.covered) merge.takeOthers(0);
-  }
-
-  struct Merge {
-    RayInterval along;
-    std::span<const Interval> others;  // those not yet taken
-    std::vector<Interval>& out;
-    bool covered = false;  // all of the stretch is held by something taken: nothing before it shows
-
-    void take(const Interval& i) {
-      if (!(i.exit >= along.enter && i.enter <= along.exit)) return;
-      out.push_back(i);
-      covered = covered || (i.enter <= along.enter && i.exit > along.exit);
-    }
-    // Those after `label` in the list.
-    void takeOthers(PrimitiveList::Label label) {
-      while (!others.empty() && others.front().label > label && !covered) {
-        take(others.front());
-        others = others.subspan(1);
-      }
-    }
-  };
+  // What lies along a stretch.
 
   // The part of a cell's list that belongs to the prefix.
   [[nodiscard]] std::span<const std::uint32_t> inPrefix(std::span<const std::uint32_t> slots) const {
@@ -395,83 +346,109 @@ class Cast {
     return {slots.begin(), end};
   }
 
-  [[nodiscard]] RayStretch stretchOf(RayInterval along) const {
+  void aim(RayInterval along) {
     const DVec3 middle = ray_.at(0.5 * (along.enter + along.exit));
-    const double half = 0.5 * (along.exit - along.enter) * length_;
-    const double size = sumOfMagnitudes(middle) + half;
-    const auto f = [](double a) { return static_cast<float>(a); };
-    return {f(middle.x),
-            f(middle.y),
-            f(middle.z),
-            f(unit_.x),
-            f(unit_.y),
-            f(unit_.z),
-            f(half),
-            f(0x1p-19 * size + loss_)};
+    stretch_.x = static_cast<float>(middle.x);
+    stretch_.y = static_cast<float>(middle.y);
+    stretch_.z = static_cast<float>(middle.z);
+    stretch_.half = static_cast<float>(0.5 * (along.exit - along.enter) * length_);
+    stretch_.pad =
+        0x1p-19f * (std::fabs(stretch_.x) + std::fabs(stretch_.y) + std::fabs(stretch_.z) + stretch_.half) +
+        loss_;
   }
 
-  [[nodiscard]] const float* balls() const { return &list_.balls().data()->x; }
-
-  void collect(std::span<const std::uint32_t> slots, Merge& merge) {
-    slots = inPrefix(slots);
-    const RayStretch stretch = stretchOf(merge.along);
-    std::uint32_t near[RayBatch::kSize];
-    while (!slots.empty() && !merge.covered) {
+  // Appends to `out` what may own any of the stretch, last in the list first: of the walk's present cell.
+  void collect(const CellWalk& walk, RayInterval along, std::vector<Interval>& out) {
+    if (walk.sparse()) {
+      collectAll(walk.grid(), along, out);
+      return;
+    }
+    std::span<const std::uint32_t> slots = inPrefix(walk.slots());
+    if (slots.size() <= kFew / 2) {  // quicker than to ask which
+      if (!slots.empty())
+        intersectAll(slots, ~std::uint64_t{0} >> (RayBatch::kSize - slots.size()), along, out);
+      return;
+    }
+    aim(along);
+    const float* balls = &list_.balls().data()->x;
+    bool covered = false;
+    while (!slots.empty() && !covered) {
       const std::size_t n = std::min(slots.size(), RayBatch::kSize);
       const std::span<const std::uint32_t> last = slots.last(n);
       slots = slots.first(slots.size() - n);
-      const std::size_t met = kernels_.meeting(stretch, balls(), last.data(), n, near);
-      if (met > 0) intersectAll({near, met}, merge);
+      if (const std::uint64_t met = kernels_.meeting(stretch_, balls, last.data(), n); met != 0)
+        covered = intersectAll(last, met, along, out);
     }
   }
 
-  void collectAll(const ClusterGrid& grid, Merge& merge) {
-    const RayStretch stretch = stretchOf(merge.along);
+  void collectAll(const ClusterGrid& grid, RayInterval along, std::vector<Interval>& out) {
+    aim(along);
+    const float* balls = &list_.balls().data()->x;
     std::vector<std::uint32_t>& near = s_.near;
     near.clear();
     constexpr std::int32_t kFar = 2'100'000'000;  // beyond any cell
-    grid.forListsBetween({-kFar, -kFar, -kFar}, {kFar, kFar, kFar}, [&](std::span<const std::uint32_t> slots) {
-      slots = inPrefix(slots);
-      const std::size_t before = near.size();
-      near.resize(before + slots.size());
-      near.resize(before + kernels_.meeting(stretch, balls(), slots.data(), slots.size(), near.data() + before));
-    });
+    grid.forListsBetween({-kFar, -kFar, -kFar}, {kFar, kFar, kFar},
+                         [&](std::span<const std::uint32_t> slots) {
+                           slots = inPrefix(slots);
+                           for (std::size_t i = 0; i < slots.size(); i += RayBatch::kSize) {
+                             const std::size_t n = std::min(RayBatch::kSize, slots.size() - i);
+                             for (std::uint64_t met = kernels_.meeting(stretch_, balls, slots.data() + i, n);
+                                  met != 0; met &= met - 1)
+                               near.push_back(slots[i + static_cast<std::size_t>(std::countr_zero(met))]);
+                           }
+                         });
     std::sort(near.begin(), near.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return list_.labels()[a] > list_.labels()[b]; });
+              [&](std::uint32_t a, std::uint32_t b) { return list_.labels()[a] < list_.labels()[b]; });
     near.erase(std::unique(near.begin(), near.end()), near.end());  // they are in several cells
-    for (std::size_t i = 0; i < near.size() && !merge.covered; i += RayBatch::kSize)
-      intersectAll({near.data() + i, std::min(RayBatch::kSize, near.size() - i)}, merge);
+    bool covered = false;
+    for (std::size_t left = near.size(); left > 0 && !covered;) {
+      const std::size_t n = std::min(RayBatch::kSize, left);
+      left -= n;
+      covered = intersectAll({near.data() + left, n}, ~std::uint64_t{0} >> (RayBatch::kSize - n), along, out);
+    }
   }
 
-  // At most RayBatch::kSize of them, last in the list first.
-  void intersectAll(std::span<const std::uint32_t> slots, Merge& merge) {
+  // The same for those of the slots (at most RayBatch::kSize, in list order) whose bit is set. True when one
+  // of them holds all of the stretch: nothing before it shows.
+  bool intersectAll(std::span<const std::uint32_t> slots, std::uint64_t bits, RayInterval along,
+                    std::vector<Interval>& out) {
     RayBatch& batch = s_.batch;
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      const Sphere& ball = list_[PrimitiveId{slots[i]}].shape.ball();
-      batch.x[i] = static_cast<double>(ball.center.x);
-      batch.y[i] = static_cast<double>(ball.center.y);
-      batch.z[i] = static_cast<double>(ball.center.z);
-      batch.r[i] = static_cast<double>(ball.radius);
+    std::uint32_t met[RayBatch::kSize];
+    std::size_t n = 0;
+    for (; bits != 0; ++n) {
+      const int top = 63 - std::countl_zero(bits);
+      bits ^= std::uint64_t{1} << top;
+      const std::uint32_t slot = slots[static_cast<std::size_t>(top)];
+      const Sphere& ball = list_[PrimitiveId{slot}].shape.ball();
+      met[n] = slot;
+      batch.x[n] = static_cast<double>(ball.center.x);
+      batch.y[n] = static_cast<double>(ball.center.y);
+      batch.z[n] = static_cast<double>(ball.center.z);
+      batch.r[n] = static_cast<double>(ball.radius);
     }
-    const DVec3 &o = ray_.origin, &d = ray_.direction;
-    kernels_.intersect({o.x, o.y, o.z, d.x, d.y, d.z, numbers_.dd}, batch, slots.size());
-    for (std::size_t i = 0; i < slots.size() && !merge.covered; ++i) {
-      if (!(batch.enter[i] <= batch.exit[i])) continue;  // it misses
-      const Primitive& p = list_[PrimitiveId{slots[i]}];
-      const PrimitiveList::Label label = list_.labels()[slots[i]];
-      merge.takeOthers(label);
-      if (merge.covered) return;
-      Interval interval{batch.enter[i], batch.exit[i], label, slots[i], p.sign == Sign::Positive};
+    kernels_.intersect(line_, batch, n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Primitive& p = list_[PrimitiveId{met[i]}];
+      Interval interval{batch.enter[i], batch.exit[i], list_.labels()[met[i]], met[i],
+                        p.sign == Sign::Positive};
       if (p.shape.isSphere()) {
-        merge.take(interval);
-        continue;
-      }
-      for (const RayInterval& in : intervalsOf(slots[i], *p.shape.volume())) {
-        interval.enter = in.enter;
-        interval.exit = in.exit;
-        merge.take(interval);
+        if (take(interval, along, out)) return true;
+      } else if (interval.enter <= interval.exit) {  // the line meets the ball around it
+        for (const RayInterval& in : intervalsOf(met[i], *p.shape.volume())) {
+          interval.enter = in.enter;
+          interval.exit = in.exit;
+          if (take(interval, along, out)) return true;
+        }
       }
     }
+    return false;
+  }
+
+  // True when it holds all of the stretch.
+  static bool take(const Interval& i, RayInterval along, std::vector<Interval>& out) {
+    if (!(i.exit >= along.enter && i.enter <= along.exit)) return false;
+    out.push_back(i);
+    return i.enter <= along.enter && i.exit > along.exit;
   }
 
   [[nodiscard]] std::span<const RayInterval> intervalsOf(std::uint32_t slot, const PosedVolume& volume) {
@@ -488,19 +465,23 @@ class Cast {
     bool positiveOrNone = true;
   };
 
+  // Lists as short as this are dealt with at once.
+  static constexpr std::size_t kFew = 8;
+
   const PrimitiveList& list_;
   const Ray& ray_;
-  const RayNumbers numbers_;
-  double length_ = 0;  // of the direction
-  DVec3 unit_{0};
-  double loss_ = 0;
   const RayKernels& kernels_;
   PrimitiveList::Label end_;
   Scratch& s_;
   std::size_t walks_ = 0;  // how many grids the ray meets, finest first
+  RayLine line_;
+  RayStretch stretch_;
+  double length_;  // of the direction
+  float loss_;
   double t_;
-  double coarseEnd_ = 0;  // where the first of the coarser grids' cells ends
-  double quietTo_ = 0;    // as far as the finest grid's cells are empty, nothing changes up to here
+  double coarseEnd_;    // where the first of the coarser grids' cells ends
+  bool quiet_ = false;  // the finest grid's present cell adds nothing
+  double quietTo_;      // while that is so, nothing changes up to here
   bool started_ = false, inside_ = false;
   Previous previous_;
   std::optional<RayHit> hit_;

@@ -35,10 +35,10 @@ struct RayBatch {
 
 /// The kernels of one instruction set.
 struct RayKernels {
-  /// Writes those of the slots, last first, whose balls the stretch may meet: none that it does is left out.
-  /// `balls` has x, y, z, reach for each slot; `out` has room for all. Returns how many.
-  std::size_t (*meeting)(const RayStretch& stretch, const float* balls, const std::uint32_t* slots,
-                         std::size_t count, std::uint32_t* out);
+  /// Of 1 to RayBatch::kSize slots, those (bit i is slots[i]) whose balls the stretch may meet: none that it
+  /// does is left out. `balls` has x, y, z, reach for each slot.
+  std::uint64_t (*meeting)(const RayStretch& stretch, const float* balls, const std::uint32_t* slots,
+                           std::size_t count);
   /// intersect(Sphere, Ray) for the first `count` spheres, bit for bit.
   void (*intersect)(const RayLine& line, RayBatch& batch, std::size_t count);
 };
