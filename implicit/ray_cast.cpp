@@ -32,11 +32,32 @@ struct Interval {
   PrimitiveList::Label label;
   std::uint32_t slot;
   bool positive;
-
-  [[nodiscard]] bool holds(double t) const { return enter <= t && t < exit; }
 };
 
-// How intervals are kept: last in the list first.
+// Intervals, last in the list first. A vector whose appending asks for room once for many.
+class Intervals {
+ public:
+  [[nodiscard]] const Interval* begin() const { return data_.data(); }
+  [[nodiscard]] const Interval* end() const { return data_.data() + size_; }
+  [[nodiscard]] Interval* begin() { return data_.data(); }
+  [[nodiscard]] Interval* end() { return data_.data() + size_; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  void clear() { size_ = 0; }
+  // Room for so many more: where they go.
+  [[nodiscard]] Interval* room(std::size_t count) {
+    if (size_ + count > data_.size()) data_.resize(2 * (size_ + count));
+    return data_.data() + size_;
+  }
+  // What was written there up to `end` counts from now on.
+  void endAt(const Interval* end) { size_ = static_cast<std::size_t>(end - data_.data()); }
+  void append(const Intervals& other) { endAt(std::copy(other.begin(), other.end(), room(other.size()))); }
+
+ private:
+  std::vector<Interval> data_;
+  std::size_t size_ = 0;
+};
+
 bool laterFirst(const Interval& a, const Interval& b) {
   return a.label > b.label;
 }
@@ -50,12 +71,9 @@ RayInterval clip(const Ray& ray, const DVec3& inverse, const Box& box, double pa
   double enter = ray.tMin, exit = ray.tMax;
   for (int a = 0; a < 3; ++a) {
     const double o = ray.origin[a];
-    const double lo = static_cast<double>(box.min[a]) - pad, hi = static_cast<double>(box.max[a]) + pad;
-    if (ray.direction[a] == 0) {
-      if (o < lo || o > hi) return {1, 0};
-      continue;
-    }
-    const double t0 = (lo - o) * inverse[a], t1 = (hi - o) * inverse[a];
+    const double t0 = (static_cast<double>(box.min[a]) - pad - o) * inverse[a];
+    const double t1 = (static_cast<double>(box.max[a]) + pad - o) * inverse[a];
+    // A NaN, of a ray in the plane of a face, counts as nothing here.
     enter = std::max(enter, std::min(t0, t1));
     exit = std::min(exit, std::max(t0, t1));
   }
@@ -150,10 +168,10 @@ class CellWalk {
 struct Scratch {
   CellWalk walks[Clusters::kGrids];
   // Of the coarser grids: what each walk's cell has, and all together.
-  std::vector<Interval> own[Clusters::kGrids];
+  Intervals own[Clusters::kGrids];
   std::span<const std::uint32_t> ownSlots[Clusters::kGrids];
-  std::vector<Interval> coarse;
-  std::vector<Interval> active;  // of the finest grid's cell and the others
+  Intervals coarse;
+  Intervals active;  // of the finest grid's cell and the others
   std::vector<std::uint32_t> near;
   RayBatch batch;
   // Volumes that were intersected already, which costs more than looking here.
@@ -222,45 +240,42 @@ class Cast {
     if (fine.sparse() || !fine.slots().empty()) collect(fine, fine.stretch(), s_.active);
     quiet_ = s_.active.empty();
     if (quiet_ || s_.coarse.empty()) return;
-    const auto fines = static_cast<std::ptrdiff_t>(s_.active.size());
-    const bool ordered = s_.coarse.front().label < s_.active.back().label;
-    s_.active.insert(s_.active.end(), s_.coarse.begin(), s_.coarse.end());
+    const std::size_t fines = s_.active.size();
+    const bool ordered = !laterFirst(*s_.coarse.begin(), *(s_.active.end() - 1));
+    s_.active.append(s_.coarse);
     if (!ordered)
       std::inplace_merge(s_.active.begin(), s_.active.begin() + fines, s_.active.end(), laterFirst);
   }
 
   // Goes on to parameter `to`, beyond which other cells know more. True when the hit was found.
   bool stretch(double to) {
-    const std::vector<Interval>& active = quiet_ ? s_.coarse : s_.active;
-    const Interval* owner = ownerAt(active, t_);
-    if (event(owner)) return true;
+    const Intervals& active = quiet_ ? s_.coarse : s_.active;
     for (;;) {
-      const double next = nextEvent(active, owner);
-      if (!(next < to)) {
-        quietTo_ = quiet_ ? std::min(next, coarseEnd_) : -kInfinity;
+      const Outlook at = look(active, t_);
+      if (event(at.owner)) return true;
+      if (!(at.next < to)) {
+        quietTo_ = quiet_ ? std::min(at.next, coarseEnd_) : -kInfinity;
         t_ = to;
         return false;
       }
-      t_ = next;
-      owner = ownerAt(active, t_);
-      if (event(owner)) return true;
+      t_ = at.next;
     }
   }
 
-  // The last primitive at t; null for none. Intervals stand last in the list first.
-  [[nodiscard]] static const Interval* ownerAt(const std::vector<Interval>& active, double t) {
-    for (const Interval& i : active)
-      if (i.holds(t)) return &i;
-    return nullptr;
-  }
-
-  // The first parameter after t_ where the last primitive changes from `owner`.
-  [[nodiscard]] double nextEvent(const std::vector<Interval>& active, const Interval* owner) const {
-    double next = owner ? owner->exit : kInfinity;
-    const Interval* const end = owner ? owner : active.data() + active.size();
-    for (const Interval* i = active.data(); i != end; ++i)
-      if (i->enter > t_ && i->enter < next) next = i->enter;
-    return next;
+  struct Outlook {
+    const Interval* owner;  // the last primitive at t; null for none
+    double next;            // the first parameter after t where that changes
+  };
+  [[nodiscard]] static Outlook look(const Intervals& active, double t) {
+    double next = kInfinity;
+    for (const Interval& i : active) {
+      if (i.enter > t) {
+        next = std::min(next, i.enter);
+      } else if (t < i.exit) {
+        return {&i, std::min(next, i.exit)};
+      }
+    }
+    return {nullptr, next};
   }
 
   // Takes the state at t_; true when it has turned from outside to inside there.
@@ -288,15 +303,19 @@ class Cast {
 
   // The coarser grids.
 
+  // Of one coarser grid: those are all.
+  [[nodiscard]] Intervals& ownOf(std::size_t i) { return walks_ == 2 ? s_.coarse : s_.own[i]; }
+
   void fillOwn(std::size_t i) {
     const CellWalk& w = s_.walks[i];
-    s_.own[i].clear();
+    Intervals& own = ownOf(i);
+    own.clear();
     s_.ownSlots[i] = w.slots();
     // A few are looked for all along the way: the next cell may well have the same ones, since the base of a
     // model is large beside its cells.
     RayInterval along = w.stretch();
     if (w.slots().size() <= kFew) along.exit = w.exit();
-    if (w.sparse() || !w.slots().empty()) collect(w, along, s_.own[i]);
+    if (w.sparse() || !w.slots().empty()) collect(w, along, own);
   }
 
   void moveCoarse() {
@@ -324,14 +343,10 @@ class Cast {
 
   void gatherCoarse() {
     endCoarse();
+    if (walks_ == 2) return;
     s_.coarse.clear();
-    std::size_t parts = 0;
-    for (std::size_t i = 1; i < walks_; ++i) {
-      if (s_.own[i].empty()) continue;
-      ++parts;
-      s_.coarse.insert(s_.coarse.end(), s_.own[i].begin(), s_.own[i].end());
-    }
-    if (parts > 1) std::sort(s_.coarse.begin(), s_.coarse.end(), laterFirst);
+    for (std::size_t i = 1; i < walks_; ++i) s_.coarse.append(s_.own[i]);
+    std::sort(s_.coarse.begin(), s_.coarse.end(), laterFirst);
   }
 
   // What lies along a stretch.
@@ -358,7 +373,7 @@ class Cast {
   }
 
   // Appends to `out` what may own any of the stretch, last in the list first: of the walk's present cell.
-  void collect(const CellWalk& walk, RayInterval along, std::vector<Interval>& out) {
+  void collect(const CellWalk& walk, RayInterval along, Intervals& out) {
     if (walk.sparse()) {
       collectAll(walk.grid(), along, out);
       return;
@@ -381,7 +396,7 @@ class Cast {
     }
   }
 
-  void collectAll(const ClusterGrid& grid, RayInterval along, std::vector<Interval>& out) {
+  void collectAll(const ClusterGrid& grid, RayInterval along, Intervals& out) {
     aim(along);
     const float* balls = &list_.balls().data()->x;
     std::vector<std::uint32_t>& near = s_.near;
@@ -411,7 +426,7 @@ class Cast {
   // The same for those of the slots (at most RayBatch::kSize, in list order) whose bit is set. True when one
   // of them holds all of the stretch: nothing before it shows.
   bool intersectAll(std::span<const std::uint32_t> slots, std::uint64_t bits, RayInterval along,
-                    std::vector<Interval>& out) {
+                    Intervals& out) {
     RayBatch& batch = s_.batch;
     std::uint32_t met[RayBatch::kSize];
     std::size_t n = 0;
@@ -427,28 +442,43 @@ class Cast {
       batch.r[n] = static_cast<double>(ball.radius);
     }
     kernels_.intersect(line_, batch, n);
-    for (std::size_t i = 0; i < n; ++i) {
+    Interval* to = out.room(n);
+    bool covered = false;
+    for (std::size_t i = 0; i < n && !covered; ++i) {
       const Primitive& p = list_[PrimitiveId{met[i]}];
-      Interval interval{batch.enter[i], batch.exit[i], list_.labels()[met[i]], met[i],
-                        p.sign == Sign::Positive};
+      *to = {batch.enter[i], batch.exit[i], list_.labels()[met[i]], met[i], p.sign == Sign::Positive};
       if (p.shape.isSphere()) {
-        if (take(interval, along, out)) return true;
-      } else if (interval.enter <= interval.exit) {  // the line meets the ball around it
-        for (const RayInterval& in : intervalsOf(met[i], *p.shape.volume())) {
-          interval.enter = in.enter;
-          interval.exit = in.exit;
-          if (take(interval, along, out)) return true;
-        }
+        covered = holdsAll(*to, along);
+        to += meets(*to, along) ? 1 : 0;
+      } else if (to->enter <= to->exit) {  // the line meets the ball around it
+        out.endAt(to);
+        covered = addVolume(*p.shape.volume(), *to, along, out);
+        to = out.room(n - i);
       }
     }
-    return false;
+    out.endAt(to);
+    return covered;
   }
 
-  // True when it holds all of the stretch.
-  static bool take(const Interval& i, RayInterval along, std::vector<Interval>& out) {
-    if (!(i.exit >= along.enter && i.enter <= along.exit)) return false;
-    out.push_back(i);
-    return i.enter <= along.enter && i.exit > along.exit;
+  bool addVolume(const PosedVolume& volume, Interval interval, RayInterval along, Intervals& out) {
+    bool covered = false;
+    for (const RayInterval& in : intervalsOf(interval.slot, volume)) {
+      interval.enter = in.enter;
+      interval.exit = in.exit;
+      covered = covered || holdsAll(interval, along);
+      if (!meets(interval, along)) continue;
+      Interval* to = out.room(1);
+      *to = interval;
+      out.endAt(to + 1);
+    }
+    return covered;
+  }
+
+  static bool meets(const Interval& i, RayInterval along) {
+    return (i.exit >= along.enter) & (i.enter <= along.exit);
+  }
+  static bool holdsAll(const Interval& i, RayInterval along) {
+    return (i.enter <= along.enter) & (i.exit > along.exit);
   }
 
   [[nodiscard]] std::span<const RayInterval> intervalsOf(std::uint32_t slot, const PosedVolume& volume) {
