@@ -29,7 +29,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A primitive along the ray.
 struct Interval {
   double enter, exit;
-  PrimitiveList::Label label;
   std::uint32_t slot;
   bool positive;
 };
@@ -57,10 +56,6 @@ class Intervals {
   std::vector<Interval> data_;
   std::size_t size_ = 0;
 };
-
-bool laterFirst(const Interval& a, const Interval& b) {
-  return a.label > b.label;
-}
 
 [[nodiscard]] double sumOfMagnitudes(DVec3 a) {
   return std::fabs(a.x) + std::fabs(a.y) + std::fabs(a.z);
@@ -240,11 +235,17 @@ class Cast {
     if (fine.sparse() || !fine.slots().empty()) collect(fine, fine.stretch(), s_.active);
     quiet_ = s_.active.empty();
     if (quiet_ || s_.coarse.empty()) return;
-    const std::size_t fines = s_.active.size();
-    const bool ordered = !laterFirst(*s_.coarse.begin(), *(s_.active.end() - 1));
+    const bool ordered = labelOf(*s_.coarse.begin()) < labelOf(*(s_.active.end() - 1));
     s_.active.append(s_.coarse);
-    if (!ordered)
-      std::inplace_merge(s_.active.begin(), s_.active.begin() + fines, s_.active.end(), laterFirst);
+    if (!ordered) order(s_.active);
+  }
+
+  [[nodiscard]] PrimitiveList::Label labelOf(const Interval& i) const { return list_.labels()[i.slot]; }
+
+  // Not often needed, and long: out of the way of what is.
+  [[gnu::noinline]] void order(Intervals& intervals) const {
+    std::sort(intervals.begin(), intervals.end(),
+              [&](const Interval& a, const Interval& b) { return labelOf(a) > labelOf(b); });
   }
 
   // Goes on to parameter `to`, beyond which other cells know more. True when the hit was found.
@@ -346,7 +347,7 @@ class Cast {
     if (walks_ == 2) return;
     s_.coarse.clear();
     for (std::size_t i = 1; i < walks_; ++i) s_.coarse.append(s_.own[i]);
-    std::sort(s_.coarse.begin(), s_.coarse.end(), laterFirst);
+    order(s_.coarse);
   }
 
   // What lies along a stretch.
@@ -396,7 +397,7 @@ class Cast {
     }
   }
 
-  void collectAll(const ClusterGrid& grid, RayInterval along, Intervals& out) {
+  [[gnu::noinline]] void collectAll(const ClusterGrid& grid, RayInterval along, Intervals& out) {
     aim(along);
     const float* balls = &list_.balls().data()->x;
     std::vector<std::uint32_t>& near = s_.near;
@@ -446,7 +447,7 @@ class Cast {
     bool covered = false;
     for (std::size_t i = 0; i < n && !covered; ++i) {
       const Primitive& p = list_[PrimitiveId{met[i]}];
-      *to = {batch.enter[i], batch.exit[i], list_.labels()[met[i]], met[i], p.sign == Sign::Positive};
+      *to = {batch.enter[i], batch.exit[i], met[i], p.sign == Sign::Positive};
       if (p.shape.isSphere()) {
         covered = holdsAll(*to, along);
         to += meets(*to, along) ? 1 : 0;
@@ -460,7 +461,8 @@ class Cast {
     return covered;
   }
 
-  bool addVolume(const PosedVolume& volume, Interval interval, RayInterval along, Intervals& out) {
+  [[gnu::noinline]] bool addVolume(const PosedVolume& volume, Interval interval, RayInterval along,
+                                   Intervals& out) {
     bool covered = false;
     for (const RayInterval& in : intervalsOf(interval.slot, volume)) {
       interval.enter = in.enter;
