@@ -61,13 +61,33 @@ class Intervals {
   return std::fabs(a.x) + std::fabs(a.y) + std::fabs(a.z);
 }
 
+// A ray's numbers, axis by axis.
+struct Axes {
+  explicit Axes(const Ray& ray)
+      : origin{ray.origin.x, ray.origin.y, ray.origin.z},
+        inverse{1 / ray.direction.x, 1 / ray.direction.y, 1 / ray.direction.z},
+        speed(sumOfMagnitudes(ray.direction)) {
+    for (int a = 0; a < 3; ++a) ahead[a] = ray.direction[a] > 0 ? 1 : 0;
+  }
+
+  // Where the ray leaves a cell through a face across the axis.
+  [[nodiscard]] double face(int axis, std::int32_t index, double size) const {
+    if (std::fabs(inverse[axis]) == kInfinity) return kInfinity;
+    return ((index + ahead[axis]) * size - origin[axis]) * inverse[axis];
+  }
+
+  double origin[3], inverse[3];  // infinite where the direction has no such component
+  double speed;                  // cell faces that are passed, for each unit of t and cells of size 1
+  std::int32_t ahead[3];         // 1 where indices grow along the ray, else 0
+};
+
 // Parameters between which the ray is in the box; enter > exit when it misses. The box is widened a little.
-RayInterval clip(const Ray& ray, const DVec3& inverse, const Box& box, double pad) {
+RayInterval clip(const Ray& ray, const Axes& axes, const Box& box, double pad) {
   double enter = ray.tMin, exit = ray.tMax;
   for (int a = 0; a < 3; ++a) {
-    const double o = ray.origin[a];
-    const double t0 = (static_cast<double>(box.min[a]) - pad - o) * inverse[a];
-    const double t1 = (static_cast<double>(box.max[a]) + pad - o) * inverse[a];
+    const double o = axes.origin[a];
+    const double t0 = (static_cast<double>(box.min[a]) - pad - o) * axes.inverse[a];
+    const double t1 = (static_cast<double>(box.max[a]) + pad - o) * axes.inverse[a];
     // A NaN, of a ray in the plane of a face, counts as nothing here.
     enter = std::max(enter, std::min(t0, t1));
     exit = std::min(exit, std::max(t0, t1));
@@ -80,11 +100,12 @@ RayInterval clip(const Ray& ray, const DVec3& inverse, const Box& box, double pa
 class CellWalk {
  public:
   // False when the ray misses all that the grid has.
-  bool start(const ClusterGrid& grid, const Ray& ray, const DVec3& inverse) {
-    const double size = static_cast<double>(grid.cell());
-    const RayInterval in = clip(ray, inverse, grid.hull(), 1e-4 * size);
+  bool start(const ClusterGrid& grid, const Ray& ray, const Axes& axes) {
+    size_ = static_cast<double>(grid.cell());
+    const RayInterval in = clip(ray, axes, grid.hull(), 1e-4 * size_);
     if (!(in.enter < in.exit)) return false;
     grid_ = &grid;
+    axes_ = &axes;
     enter_ = in.enter;
     exit_ = in.exit;
     end_ = ray.tMax;
@@ -92,7 +113,7 @@ class CellWalk {
     const double used = 4 * static_cast<double>(grid.usedCells());
     // So many cells on the way that it is quicker to look through all that are in use: small primitives far
     // apart.
-    sparse_ = (exit_ - enter_) * sumOfMagnitudes(ray.direction) > used * size;
+    sparse_ = (exit_ - enter_) * axes.speed > used * size_;
     if (sparse_) {
       slots_ = {};
       cellEnd_ = end_;
@@ -102,19 +123,15 @@ class CellWalk {
     // absurdly far away), the walk still ends.
     stepsLeft_ = static_cast<std::int64_t>(used) + 12;
     const Cell first = grid.cellAt(ray.at(enter_));
-    const std::int32_t index[3] = {first.x, first.y, first.z};
-    for (int a = 0; a < 3; ++a) {
-      const double d = ray.direction[a];
-      const std::int32_t ahead = d > 0 ? 1 : 0;
-      index_[a] = index[a];
-      step_[a] = 2 * ahead - 1;
-      delta_[a] = size * std::fabs(inverse[a]);
-      faces_[a] = d == 0 ? kInfinity : ((index[a] + ahead) * size - ray.origin[a]) * inverse[a];
-    }
+    index_[0] = first.x;
+    index_[1] = first.y;
+    index_[2] = first.z;
+    for (int a = 0; a < 3; ++a) faces_[a] = axes.face(a, index_[a], size_);
     arrive();
     return true;
   }
 
+  [[nodiscard]] double cellStart() const { return cellStart_; }
   [[nodiscard]] double cellEnd() const { return cellEnd_; }
   // The part of the present cell where the grid may have something.
   [[nodiscard]] RayInterval stretch() const {
@@ -127,16 +144,19 @@ class CellWalk {
   [[nodiscard]] std::span<const std::uint32_t> slots() const { return slots_; }
   [[nodiscard]] bool sparse() const { return sparse_; }
 
-  void next() {
-    cellStart_ = cellEnd_;
-    faces_[axis_] += delta_[axis_];
-    index_[axis_] += step_[axis_];
-    if (--stepsLeft_ > 0 && cellStart_ < exit_) {
+  // Goes on to the next cell, and through empty ones that end no later than `limit`.
+  void next(double limit = -kInfinity) {
+    do {
+      cellStart_ = cellEnd_;
+      if (--stepsLeft_ <= 0 || !(cellStart_ < exit_)) {
+        slots_ = {};
+        cellEnd_ = end_;
+        return;
+      }
+      index_[axis_] += 2 * axes_->ahead[axis_] - 1;
+      faces_[axis_] = axes_->face(axis_, index_[axis_], size_);
       arrive();
-    } else {
-      slots_ = {};
-      cellEnd_ = end_;
-    }
+    } while (slots_.empty() && cellEnd_ <= limit);
   }
 
  private:
@@ -149,10 +169,12 @@ class CellWalk {
   }
 
   const ClusterGrid* grid_;
+  const Axes* axes_;
+  double size_;
   double enter_, exit_, end_;  // where the ray enters and leaves what the grid has, and where it ends
   double cellStart_, cellEnd_;
-  double faces_[3], delta_[3];  // parameters of the next faces, and between two
-  std::int32_t step_[3], index_[3];
+  double faces_[3];  // parameters of the next faces
+  std::int32_t index_[3];
   int axis_;  // of the nearest face
   std::int64_t stepsLeft_;
   bool sparse_;
@@ -193,9 +215,9 @@ class Cast {
     const double dd = dot(d, d);
     // The operations of intersect(Sphere, Ray) find nothing either where this is not so.
     if (!(dd > 0 && dd < kInfinity)) return std::nullopt;
-    const DVec3 inverse(1 / d.x, 1 / d.y, 1 / d.z);
+    const Axes axes(ray_);
     for (const ClusterGrid& grid : list_.clusters().grids())
-      if (grid.size() > 0 && s_.walks[walks_].start(grid, ray_, inverse)) ++walks_;
+      if (grid.size() > 0 && s_.walks[walks_].start(grid, ray_, axes)) ++walks_;
     if (walks_ == 0) return std::nullopt;
     line_ = {o.x, o.y, o.z, d.x, d.y, d.z, dd};
     length_ = std::sqrt(dd);
@@ -221,7 +243,10 @@ class Cast {
       do {
         if (!(t_ < ray_.tMax)) return std::nullopt;
         if (coarseEnd_ <= t_) moveCoarse();
-        if (fine.cellEnd() <= t_) fine.next();
+        if (fine.cellEnd() <= t_) {
+          fine.next(quietTo_);
+          t_ = std::max(t_, fine.cellStart());
+        }
         arrive();
       } while (quiet_ && fine.cellEnd() <= quietTo_ && (t_ = fine.cellEnd(), true));
     }
