@@ -159,6 +159,30 @@ class CellWalk {
     } while (slots_.empty() && cellEnd_ <= limit);
   }
 
+  // Takes the following cells into the present one as long as they have the same few primitives, and in the
+  // end what lies behind all cells.
+  void widen(std::size_t few) {
+    while (stepsLeft_ > 1 && cellEnd_ < exit_ && slots_.size() <= few) {
+      std::int32_t ahead[3] = {index_[0], index_[1], index_[2]};
+      ahead[axis_] += 2 * axes_->ahead[axis_] - 1;
+      if (!sameSlots(grid_->at({ahead[0], ahead[1], ahead[2]}), slots_)) return;
+      const double start = cellStart_;
+      next();
+      cellStart_ = start;
+    }
+    if (!(cellEnd_ < exit_)) {
+      stepsLeft_ = 0;
+      cellEnd_ = end_;
+    }
+  }
+
+  static bool sameSlots(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) {
+    if (a.size() != b.size()) return false;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (a[i] != b[i]) return false;
+    return true;
+  }
+
  private:
   void arrive() {
     const double xy = std::min(faces_[0], faces_[1]);
@@ -207,6 +231,7 @@ class Cast {
         ray_(ray),
         kernels_(rayKernels()),
         end_(list.labelEnd(prefix)),
+        cuts_(prefix.count < list.size()),
         s_(scratch),
         t_(ray.tMin) {}
 
@@ -280,7 +305,8 @@ class Cast {
       const Outlook at = look(active, t_);
       if (event(at.owner)) return true;
       if (!(at.next < to)) {
-        quietTo_ = quiet_ ? std::min(at.next, coarseEnd_) : -kInfinity;
+        next_ = at.next;
+        settle();
         t_ = to;
         return false;
       }
@@ -350,16 +376,23 @@ class Cast {
       CellWalk& w = s_.walks[i];
       if (w.cellEnd() > t_) continue;
       while (w.cellEnd() <= t_) w.next();
-      const std::span<const std::uint32_t> now = w.slots(), before = s_.ownSlots[i];
-      if (now.size() <= kFew && std::equal(now.begin(), now.end(), before.begin(), before.end())) continue;
-      fillOwn(i);
-      same = false;
+      if (w.slots().size() <= kFew && CellWalk::sameSlots(w.slots(), s_.ownSlots[i])) {
+        w.widen(kFew);
+      } else {
+        fillOwn(i);
+        same = false;
+      }
     }
-    if (!same)
+    if (!same) {
       gatherCoarse();
-    else
-      endCoarse();
+      return;
+    }
+    endCoarse();
+    settle();
   }
+
+  // What the last look has found holds as long as nothing is added.
+  void settle() { quietTo_ = quiet_ ? std::min(next_, coarseEnd_) : -kInfinity; }
 
   void endCoarse() {
     coarseEnd_ = ray_.tMax;
@@ -377,15 +410,15 @@ class Cast {
 
   // What lies along a stretch.
 
-  // The part of a cell's list that belongs to the prefix.
-  [[nodiscard]] std::span<const std::uint32_t> inPrefix(std::span<const std::uint32_t> slots) const {
-    if (end_ == std::numeric_limits<PrimitiveList::Label>::max()) return slots;
-    const std::span<const PrimitiveList::Label> labels = list_.labels();
-    if (slots.empty() || labels[slots.back()] < end_) return slots;
-    const auto end = std::partition_point(slots.begin(), slots.end(),
-                                          [&](std::uint32_t slot) { return labels[slot] < end_; });
+  // The part of a long list that belongs to the prefix. A short one is taken whole: where primitives are
+  // looked at one by one, those after the prefix are passed over.
+  [[nodiscard]] std::span<const std::uint32_t> cut(std::span<const std::uint32_t> slots) const {
+    if (!cuts_ || slots.size() <= RayBatch::kSize || inPrefix(slots.back())) return slots;
+    const auto end =
+        std::partition_point(slots.begin(), slots.end(), [&](std::uint32_t slot) { return inPrefix(slot); });
     return {slots.begin(), end};
   }
+  [[nodiscard]] bool inPrefix(std::uint32_t slot) const { return list_.labels()[slot] < end_; }
 
   void aim(RayInterval along) {
     const DVec3 middle = ray_.at(0.5 * (along.enter + along.exit));
@@ -404,10 +437,11 @@ class Cast {
       collectAll(walk.grid(), along, out);
       return;
     }
-    std::span<const std::uint32_t> slots = inPrefix(walk.slots());
+    std::span<const std::uint32_t> slots = cut(walk.slots());
     if (slots.size() <= kFew / 2) {  // quicker than to ask which
-      if (!slots.empty())
-        intersectAll(slots, ~std::uint64_t{0} >> (RayBatch::kSize - slots.size()), along, out);
+      for (std::size_t i = slots.size(); i-- > 0;)
+        if ((!cuts_ || inPrefix(slots[i])) && intersectOne(slots[i], along, out))
+          return;
       return;
     }
     aim(along);
@@ -430,7 +464,7 @@ class Cast {
     constexpr std::int32_t kFar = 2'100'000'000;  // beyond any cell
     grid.forListsBetween({-kFar, -kFar, -kFar}, {kFar, kFar, kFar},
                          [&](std::span<const std::uint32_t> slots) {
-                           slots = inPrefix(slots);
+                           slots = cut(slots);
                            for (std::size_t i = 0; i < slots.size(); i += RayBatch::kSize) {
                              const std::size_t n = std::min(RayBatch::kSize, slots.size() - i);
                              for (std::uint64_t met = kernels_.meeting(stretch_, balls, slots.data() + i, n);
@@ -456,16 +490,18 @@ class Cast {
     RayBatch& batch = s_.batch;
     std::uint32_t met[RayBatch::kSize];
     std::size_t n = 0;
-    for (; bits != 0; ++n) {
+    while (bits != 0) {
       const int top = 63 - std::countl_zero(bits);
       bits ^= std::uint64_t{1} << top;
       const std::uint32_t slot = slots[static_cast<std::size_t>(top)];
+      if (cuts_ && !inPrefix(slot)) continue;
       const Sphere& ball = list_[PrimitiveId{slot}].shape.ball();
       met[n] = slot;
       batch.x[n] = static_cast<double>(ball.center.x);
       batch.y[n] = static_cast<double>(ball.center.y);
       batch.z[n] = static_cast<double>(ball.center.z);
       batch.r[n] = static_cast<double>(ball.radius);
+      ++n;
     }
     kernels_.intersect(line_, batch, n);
     Interval* to = out.room(n);
@@ -486,19 +522,32 @@ class Cast {
     return covered;
   }
 
+  // The same for one.
+  bool intersectOne(std::uint32_t slot, RayInterval along, Intervals& out) {
+    const Primitive& p = list_[PrimitiveId{slot}];
+    const std::optional<RayInterval> in = intersect(p.shape.ball(), ray_);
+    if (!in) return false;
+    const Interval interval{in->enter, in->exit, slot, p.sign == Sign::Positive};
+    if (!p.shape.isSphere()) return addVolume(*p.shape.volume(), interval, along, out);
+    return append(interval, along, out);
+  }
+
   [[gnu::noinline]] bool addVolume(const PosedVolume& volume, Interval interval, RayInterval along,
                                    Intervals& out) {
     bool covered = false;
     for (const RayInterval& in : intervalsOf(interval.slot, volume)) {
       interval.enter = in.enter;
       interval.exit = in.exit;
-      covered = covered || holdsAll(interval, along);
-      if (!meets(interval, along)) continue;
-      Interval* to = out.room(1);
-      *to = interval;
-      out.endAt(to + 1);
+      covered = append(interval, along, out) || covered;
     }
     return covered;
+  }
+
+  static bool append(const Interval& i, RayInterval along, Intervals& out) {
+    Interval* to = out.room(1);
+    *to = i;
+    out.endAt(to + (meets(i, along) ? 1 : 0));
+    return holdsAll(i, along);
   }
 
   static bool meets(const Interval& i, RayInterval along) {
@@ -529,6 +578,7 @@ class Cast {
   const Ray& ray_;
   const RayKernels& kernels_;
   PrimitiveList::Label end_;
+  bool cuts_;  // something is after the prefix
   Scratch& s_;
   std::size_t walks_ = 0;  // how many grids the ray meets, finest first
   RayLine line_;
@@ -539,6 +589,7 @@ class Cast {
   double coarseEnd_;    // where the first of the coarser grids' cells ends
   bool quiet_ = false;  // the finest grid's present cell adds nothing
   double quietTo_;      // while that is so, nothing changes up to here
+  double next_;         // the next place where something changes, as far as was looked
   bool started_ = false, inside_ = false;
   Previous previous_;
   std::optional<RayHit> hit_;
