@@ -2,215 +2,181 @@
 //
 // Method: along a ray every primitive is an interval, and what the shape is at t is said by the last interval
 // (in list order) that holds t. From the start, the next place where that can change is the exit of this last
-// interval, or the entry of a later one; we jump from event to event until outside turns inside. The walk
-// visits the cells of the finest grid in order, so that only primitives near the ray's present stretch are
-// intersected; the few of the coarser grids are intersected once. The traversal is Amanatides and Woo, "A
-// fast voxel traversal algorithm for ray tracing", Eurographics 1987.
+// interval, or the entry of a later one; we jump from event to event until outside turns inside.
+//
+// All grids that the ray meets are walked at once, so that only primitives near the ray's present stretch are
+// looked at: a stretch ends where any grid's cell does. In float32, 16 balls at a time, most are found to lie
+// beside the stretch; the rest are intersected in double, a vector at a time with the very operations of
+// intersect(Sphere, Ray). Both go from the tail of a cell's list, and end at a primitive that holds the whole
+// stretch, since nothing before it shows.
 
 #include "implicit/ray_cast.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <limits>
+#include <bit>
 #include <vector>
+
+#include "implicit/cell_walk.h"
+#include "implicit/simd/ray_kernels.h"
 
 namespace restroke::implicit {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
+// A primitive along the ray.
 struct Interval {
   double enter, exit;
-  PrimitiveList::Label label;
   std::uint32_t slot;
   bool positive;
 };
 
-// Parameters between which the ray is in the box; enter > exit when it misses. The box is widened a little.
-RayInterval clip(const Ray& ray, const Box& box, double pad) {
-  double enter = -kInfinity, exit = kInfinity;
-  for (int a = 0; a < 3; ++a) {
-    const double o = ray.origin[a], d = ray.direction[a];
-    const double lo = static_cast<double>(box.min[a]) - pad, hi = static_cast<double>(box.max[a]) + pad;
-    if (d == 0) {
-      if (o < lo || o > hi) return {1, 0};
-      continue;
-    }
-    const double t0 = (lo - o) / d, t1 = (hi - o) / d;
-    enter = std::max(enter, std::min(t0, t1));
-    exit = std::min(exit, std::max(t0, t1));
+// Intervals, last in the list first. A vector whose appending asks for room once for many.
+class Intervals {
+ public:
+  [[nodiscard]] const Interval* begin() const { return data_.data(); }
+  [[nodiscard]] const Interval* end() const { return data_.data() + size_; }
+  [[nodiscard]] Interval* begin() { return data_.data(); }
+  [[nodiscard]] Interval* end() { return data_.data() + size_; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  void clear() { size_ = 0; }
+  // Room for so many more: where they go.
+  [[nodiscard]] Interval* room(std::size_t count) {
+    if (size_ + count > data_.size()) data_.resize(2 * (size_ + count));
+    return data_.data() + size_;
   }
-  return {enter, exit};
-}
+  // What was written there up to `end` counts from now on.
+  void endAt(const Interval* end) { size_ = static_cast<std::size_t>(end - data_.data()); }
+  void append(const Intervals& other) { endAt(std::copy(other.begin(), other.end(), room(other.size()))); }
 
-// Calls visit(cell, tIn, tOut) for the grid's cells along the ray between the parameters, until it returns
-// true.
-template <class F>
-void walkCells(const ClusterGrid& grid, const Ray& ray, double tIn, double tOut, const F& visit) {
-  const double size = static_cast<double>(grid.cell());
-  Cell cell = grid.cellAt(ray.at(tIn));
-  const Cell last = grid.cellAt(ray.at(tOut));
-  // The number of faces between the first and the last cell, and a few more for rounding: where t has too few
-  // digits left to tell cells apart (an origin absurdly far away), the walk still ends.
-  std::int64_t stepsLeft = 8 + std::llabs(std::int64_t{last.x} - cell.x) +
-                           std::llabs(std::int64_t{last.y} - cell.y) +
-                           std::llabs(std::int64_t{last.z} - cell.z);
-  std::int32_t* index[3] = {&cell.x, &cell.y, &cell.z};
-  double next[3], delta[3];
-  std::int32_t step[3];
-  for (int a = 0; a < 3; ++a) {
-    const double o = ray.origin[a], d = ray.direction[a];
-    step[a] = d > 0 ? 1 : -1;
-    delta[a] = d == 0 ? kInfinity : size / std::fabs(d);
-    next[a] = d == 0 ? kInfinity : ((*index[a] + (d > 0 ? 1 : 0)) * size - o) / d;
-  }
-  double t = tIn;
-  while (t < tOut && stepsLeft-- > 0) {
-    const int a = next[0] <= next[1] ? (next[0] <= next[2] ? 0 : 2) : (next[1] <= next[2] ? 1 : 2);
-    const double out = std::min(std::max(next[a], t), tOut);
-    if (visit(cell, t, out)) return;
-    t = out;
-    next[a] += delta[a];
-    *index[a] += step[a];
-  }
-}
-
-// Whether there are so many cells on the way that it is quicker to look through all that are in use: small
-// primitives far apart.
-bool isSparse(const ClusterGrid& grid, const Ray& ray, double tIn, double tOut) {
-  const Cell first = grid.cellAt(ray.at(tIn)), last = grid.cellAt(ray.at(tOut));
-  const double steps = std::fabs(static_cast<double>(last.x) - first.x) +
-                       std::fabs(static_cast<double>(last.y) - first.y) +
-                       std::fabs(static_cast<double>(last.z) - first.z);
-  return steps > 4 * static_cast<double>(grid.usedCells());
-}
+ private:
+  std::vector<Interval> data_;
+  std::size_t size_ = 0;
+};
 
 // Memory that one thread's rays use one after the other.
 struct Scratch {
-  std::vector<Interval> coarse, active;
+  CellWalk walks[Clusters::kGrids];
+  // Of the coarser grids: what each walk's cell has, and all together.
+  Intervals own[Clusters::kGrids];
+  std::span<const std::uint32_t> ownSlots[Clusters::kGrids];
+  Intervals coarse;
+  Intervals active;  // of the finest grid's cell and the others
+  std::vector<std::uint32_t> near;
+  RayBatch batch;
+  // Volumes that were intersected already, which costs more than looking here.
+  struct Seen {
+    std::uint32_t slot;
+    std::size_t first, end;
+  };
+  std::vector<Seen> seen;
   std::vector<RayInterval> intervals;
 };
 
-class Walk {
+class Cast {
  public:
-  Walk(const PrimitiveList& list, const Ray& ray, Prefix prefix, Scratch& scratch)
+  Cast(const PrimitiveList& list, const Ray& ray, Prefix prefix, Scratch& scratch)
       : list_(list),
         ray_(ray),
+        kernels_(rayKernels()),
         end_(list.labelEnd(prefix)),
-        t_(ray.tMin),
-        coarse_(scratch.coarse),
-        active_(scratch.active),
-        intervals_(scratch.intervals) {
-    coarse_.clear();
-  }
+        cuts_(prefix.count < list.size()),
+        s_(scratch),
+        t_(ray.tMin) {}
 
   std::optional<RayHit> run() {
-    const std::vector<ClusterGrid>& grids = list_.clusters().grids();
-    const std::size_t finest = list_.clusters().finestInUse();
-    const RayInterval fineStretch = stretchIn(grids[finest]);
-    const bool fineIsCoarse = fineStretch.enter < fineStretch.exit &&
-                              isSparse(grids[finest], ray_, fineStretch.enter, fineStretch.exit);
-    for (std::size_t g = fineIsCoarse ? finest : finest + 1; g < grids.size(); ++g) collectCoarse(grids[g]);
-    std::sort(coarse_.begin(), coarse_.end(), [](const Interval& a, const Interval& b) {
-      return a.label != b.label ? a.label < b.label : a.enter < b.enter;
-    });
-    coarse_.erase(std::unique(coarse_.begin(), coarse_.end(),
-                              [](const Interval& a, const Interval& b) {
-                                return a.label == b.label && a.enter == b.enter;
-                              }),
-                  coarse_.end());
-    double tStart = ray_.tMin, tEnd = ray_.tMin;
-    const ClusterGrid& fine = grids[finest];
-    if (!fineIsCoarse && fineStretch.enter < fineStretch.exit) {
-      tStart = fineStretch.enter;
-      tEnd = fineStretch.exit;
-    }
-    // Before, in and after the fine grid's extent.
-    if (tStart > ray_.tMin && stretch({}, tStart)) return hit_;
-    if (tEnd > tStart)
-      walkCells(fine, ray_, tStart, tEnd, [&](Cell cell, double, double out) {
-        const std::span<const std::uint32_t> slots = fine.at(cell);
-        return stretch(slots, out);
-      });
-    if (!hit_ && t_ < ray_.tMax) stretch({}, ray_.tMax);
-    return hit_;
+    const DVec3 &o = ray_.origin, &d = ray_.direction;
+    const double dd = dot(d, d);
+    // The operations of intersect(Sphere, Ray) find nothing either where this is not so.
+    if (!(dd > 0 && dd < kRayInfinity)) return std::nullopt;
+    const RayAxes axes(ray_);
+    for (const ClusterGrid& grid : list_.clusters().grids())
+      if (grid.size() > 0 && s_.walks[walks_].start(grid, ray_, axes)) ++walks_;
+    if (walks_ == 0) return std::nullopt;
+    line_ = {o.x, o.y, o.z, d.x, d.y, d.z, dd};
+    length_ = std::sqrt(dd);
+    const DVec3 unit = d * (1 / length_);
+    stretch_.dx = static_cast<float>(unit.x);
+    stretch_.dy = static_cast<float>(unit.y);
+    stretch_.dz = static_cast<float>(unit.z);
+    // More than double arithmetic loses on the way to where anything may be.
+    loss_ = static_cast<float>(0x1p-46 * sumOfMagnitudes(o));
+    s_.seen.clear();
+    s_.intervals.clear();
+    return walk();
   }
 
  private:
-  void add(std::uint32_t slot, std::vector<Interval>& to) const {
-    const PrimitiveList::Label label = list_.labels()[slot];
-    const Primitive& p = list_[PrimitiveId{slot}];
-    const bool positive = p.sign == Sign::Positive;
-    if (p.shape.isSphere()) {
-      if (const auto in = intersect(p.shape.ball(), ray_))
-        to.push_back({in->enter, in->exit, label, slot, positive});
-      return;
+  std::optional<RayHit> walk() {
+    CellWalk& fine = s_.walks[0];
+    for (std::size_t i = 1; i < walks_; ++i) fillOwn(i);
+    gatherCoarse();
+    arrive();
+    while (!stretch(std::min(fine.cellEnd(), coarseEnd_))) {
+      // On through cells that add nothing, as long as nothing changes.
+      do {
+        if (!(t_ < ray_.tMax)) return std::nullopt;
+        if (coarseEnd_ <= t_) moveCoarse();
+        if (fine.cellEnd() <= t_) {
+          fine.next(quietTo_);
+          t_ = std::max(t_, fine.cellStart());
+        }
+        arrive();
+      } while (quiet_ && fine.cellEnd() <= quietTo_ && (t_ = fine.cellEnd(), true));
     }
-    // The ball around it is asked first: most rays miss.
-    if (!intersect(p.shape.ball(), ray_)) return;
-    intervals_.clear();
-    p.shape.volume()->intersect(ray_, intervals_);
-    for (const RayInterval& in : intervals_) to.push_back({in.enter, in.exit, label, slot, positive});
+    return hit_;
   }
 
-  // Between which parameters the ray is where the grid has anything; empty where it is not.
-  [[nodiscard]] RayInterval stretchIn(const ClusterGrid& grid) const {
-    if (grid.size() == 0) return {0, 0};
-    const RayInterval in = clip(ray_, grid.hull(), 1e-4 * static_cast<double>(grid.cell()));
-    return {std::max(in.enter, ray_.tMin), std::min(in.exit, ray_.tMax)};
+  // Takes up what the finest grid's present cell has.
+  void arrive() {
+    const CellWalk& fine = s_.walks[0];
+    s_.active.clear();
+    if (fine.sparse() || !fine.slots().empty()) collect(fine, fine.stretch(), s_.active);
+    quiet_ = s_.active.empty();
+    if (quiet_ || s_.coarse.empty()) return;
+    const bool ordered = labelOf(*s_.coarse.begin()) < labelOf(*(s_.active.end() - 1));
+    s_.active.append(s_.coarse);
+    if (!ordered) order(s_.active);
   }
 
-  void collectCoarse(const ClusterGrid& grid) {
-    const RayInterval in = stretchIn(grid);
-    if (!(in.enter < in.exit)) return;
-    const auto addAll = [&](std::span<const std::uint32_t> slots) {
-      for (const std::uint32_t slot : slots) {
-        if (list_.labels()[slot] >= end_) break;
-        add(slot, coarse_);
-      }
-    };
-    if (isSparse(grid, ray_, in.enter, in.exit)) {
-      constexpr std::int32_t kFar = 2'100'000'000;  // beyond any cell
-      grid.forListsBetween({-kFar, -kFar, -kFar}, {kFar, kFar, kFar}, addAll);
-      return;
-    }
-    walkCells(grid, ray_, in.enter, in.exit, [&](Cell cell, double, double) {
-      addAll(grid.at(cell));
-      return false;
-    });
-  }
+  [[nodiscard]] PrimitiveList::Label labelOf(const Interval& i) const { return list_.labels()[i.slot]; }
 
-  // The last primitive at t; an interval holds its entry and not its exit. Null for none.
-  [[nodiscard]] const Interval* ownerAt(double t) const {
-    const Interval* owner = nullptr;
-    for (const Interval& i : active_)
-      if (i.enter <= t && t < i.exit && (!owner || i.label > owner->label)) owner = &i;
-    return owner;
+  // Not often needed, and long: out of the way of what is.
+  [[gnu::noinline]] void order(Intervals& intervals) const {
+    std::sort(intervals.begin(), intervals.end(),
+              [&](const Interval& a, const Interval& b) { return labelOf(a) > labelOf(b); });
   }
 
   // Goes on to parameter `to`, beyond which other cells know more. True when the hit was found.
-  bool stretch(std::span<const std::uint32_t> slots, double to) {
-    active_.clear();
-    for (const Interval& i : coarse_)
-      if (i.exit >= t_ && i.enter <= to) active_.push_back(i);
-    for (const std::uint32_t slot : slots) {
-      if (list_.labels()[slot] >= end_) break;
-      add(slot, active_);
-    }
-    const Interval* owner = ownerAt(t_);
-    if (event(owner)) return true;
+  bool stretch(double to) {
+    const Intervals& active = quiet_ ? s_.coarse : s_.active;
     for (;;) {
-      double next = owner ? owner->exit : kInfinity;
-      for (const Interval& i : active_)
-        if (i.enter > t_ && i.enter < next && (!owner || i.label > owner->label)) next = i.enter;
-      if (!(next < to)) break;
-      t_ = next;
-      owner = ownerAt(t_);
-      if (event(owner)) return true;
+      const Outlook at = look(active, t_);
+      if (event(at.owner)) return true;
+      if (!(at.next < to)) {
+        next_ = at.next;
+        settle();
+        t_ = to;
+        return false;
+      }
+      t_ = at.next;
     }
-    t_ = to;
-    return false;
+  }
+
+  struct Outlook {
+    const Interval* owner;  // the last primitive at t; null for none
+    double next;            // the first parameter after t where that changes
+  };
+  [[nodiscard]] static Outlook look(const Intervals& active, double t) {
+    double next = kRayInfinity;
+    for (const Interval& i : active) {
+      if (i.enter > t) {
+        next = std::min(next, i.enter);
+      } else if (t < i.exit) {
+        return {&i, std::min(next, i.exit)};
+      }
+    }
+    return {nullptr, next};
   }
 
   // Takes the state at t_; true when it has turned from outside to inside there.
@@ -236,19 +202,244 @@ class Walk {
     return crossed;
   }
 
+  // The coarser grids.
+
+  // Of one coarser grid: those are all.
+  [[nodiscard]] Intervals& ownOf(std::size_t i) { return walks_ == 2 ? s_.coarse : s_.own[i]; }
+
+  void fillOwn(std::size_t i) {
+    const CellWalk& w = s_.walks[i];
+    Intervals& own = ownOf(i);
+    own.clear();
+    s_.ownSlots[i] = w.slots();
+    // A few are looked for all along the way: the next cell may well have the same ones, since the base of a
+    // model is large beside its cells.
+    RayInterval along = w.stretch();
+    if (w.slots().size() <= kFew) along.exit = w.exit();
+    if (w.sparse() || !w.slots().empty()) collect(w, along, own);
+  }
+
+  void moveCoarse() {
+    bool same = true;
+    for (std::size_t i = 1; i < walks_; ++i) {
+      CellWalk& w = s_.walks[i];
+      if (w.cellEnd() > t_) continue;
+      while (w.cellEnd() <= t_) w.next();
+      if (w.slots().size() <= kFew && CellWalk::sameSlots(w.slots(), s_.ownSlots[i])) {
+        w.widen(kFew);
+      } else {
+        fillOwn(i);
+        same = false;
+      }
+    }
+    if (!same) {
+      gatherCoarse();
+      return;
+    }
+    endCoarse();
+    settle();
+  }
+
+  // What the last look has found holds as long as nothing is added.
+  void settle() { quietTo_ = quiet_ ? std::min(next_, coarseEnd_) : -kRayInfinity; }
+
+  void endCoarse() {
+    coarseEnd_ = ray_.tMax;
+    quietTo_ = -kRayInfinity;
+    for (std::size_t i = 1; i < walks_; ++i) coarseEnd_ = std::min(coarseEnd_, s_.walks[i].cellEnd());
+  }
+
+  void gatherCoarse() {
+    endCoarse();
+    if (walks_ == 2) return;
+    s_.coarse.clear();
+    for (std::size_t i = 1; i < walks_; ++i) s_.coarse.append(s_.own[i]);
+    order(s_.coarse);
+  }
+
+  // What lies along a stretch.
+
+  // The part of a long list that belongs to the prefix. A short one is taken whole: where primitives are
+  // looked at one by one, those after the prefix are passed over.
+  [[nodiscard]] std::span<const std::uint32_t> cut(std::span<const std::uint32_t> slots) const {
+    if (!cuts_ || slots.size() <= RayBatch::kSize || inPrefix(slots.back())) return slots;
+    const auto end =
+        std::partition_point(slots.begin(), slots.end(), [&](std::uint32_t slot) { return inPrefix(slot); });
+    return {slots.begin(), end};
+  }
+  [[nodiscard]] bool inPrefix(std::uint32_t slot) const { return list_.labels()[slot] < end_; }
+
+  void aim(RayInterval along) {
+    const DVec3 middle = ray_.at(0.5 * (along.enter + along.exit));
+    stretch_.x = static_cast<float>(middle.x);
+    stretch_.y = static_cast<float>(middle.y);
+    stretch_.z = static_cast<float>(middle.z);
+    stretch_.half = static_cast<float>(0.5 * (along.exit - along.enter) * length_);
+    stretch_.pad =
+        0x1p-19f * (std::fabs(stretch_.x) + std::fabs(stretch_.y) + std::fabs(stretch_.z) + stretch_.half) +
+        loss_;
+  }
+
+  // Appends to `out` what may own any of the stretch, last in the list first: of the walk's present cell.
+  void collect(const CellWalk& walk, RayInterval along, Intervals& out) {
+    if (walk.sparse()) {
+      collectAll(walk.grid(), along, out);
+      return;
+    }
+    std::span<const std::uint32_t> slots = cut(walk.slots());
+    if (slots.size() <= kFew / 2) {  // quicker than to ask which
+      for (std::size_t i = slots.size(); i-- > 0;)
+        if ((!cuts_ || inPrefix(slots[i])) && intersectOne(slots[i], along, out)) return;
+      return;
+    }
+    aim(along);
+    const float* balls = &list_.balls().data()->x;
+    bool covered = false;
+    while (!slots.empty() && !covered) {
+      const std::size_t n = std::min(slots.size(), RayBatch::kSize);
+      const std::span<const std::uint32_t> last = slots.last(n);
+      slots = slots.first(slots.size() - n);
+      if (const std::uint64_t met = kernels_.meeting(stretch_, balls, last.data(), n); met != 0)
+        covered = intersectAll(last, met, along, out);
+    }
+  }
+
+  [[gnu::noinline]] void collectAll(const ClusterGrid& grid, RayInterval along, Intervals& out) {
+    aim(along);
+    const float* balls = &list_.balls().data()->x;
+    std::vector<std::uint32_t>& near = s_.near;
+    near.clear();
+    constexpr std::int32_t kFar = 2'100'000'000;  // beyond any cell
+    grid.forListsBetween({-kFar, -kFar, -kFar}, {kFar, kFar, kFar},
+                         [&](std::span<const std::uint32_t> slots) {
+                           slots = cut(slots);
+                           for (std::size_t i = 0; i < slots.size(); i += RayBatch::kSize) {
+                             const std::size_t n = std::min(RayBatch::kSize, slots.size() - i);
+                             for (std::uint64_t met = kernels_.meeting(stretch_, balls, slots.data() + i, n);
+                                  met != 0; met &= met - 1)
+                               near.push_back(slots[i + static_cast<std::size_t>(std::countr_zero(met))]);
+                           }
+                         });
+    std::sort(near.begin(), near.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return list_.labels()[a] < list_.labels()[b]; });
+    near.erase(std::unique(near.begin(), near.end()), near.end());  // they are in several cells
+    bool covered = false;
+    for (std::size_t left = near.size(); left > 0 && !covered;) {
+      const std::size_t n = std::min(RayBatch::kSize, left);
+      left -= n;
+      covered = intersectAll({near.data() + left, n}, ~std::uint64_t{0} >> (RayBatch::kSize - n), along, out);
+    }
+  }
+
+  // The same for those of the slots (at most RayBatch::kSize, in list order) whose bit is set. True when one
+  // of them holds all of the stretch: nothing before it shows.
+  bool intersectAll(std::span<const std::uint32_t> slots, std::uint64_t bits, RayInterval along,
+                    Intervals& out) {
+    RayBatch& batch = s_.batch;
+    std::uint32_t met[RayBatch::kSize];
+    std::size_t n = 0;
+    while (bits != 0) {
+      const int top = 63 - std::countl_zero(bits);
+      bits ^= std::uint64_t{1} << top;
+      const std::uint32_t slot = slots[static_cast<std::size_t>(top)];
+      if (cuts_ && !inPrefix(slot)) continue;
+      const Sphere& ball = list_[PrimitiveId{slot}].shape.ball();
+      met[n] = slot;
+      batch.x[n] = static_cast<double>(ball.center.x);
+      batch.y[n] = static_cast<double>(ball.center.y);
+      batch.z[n] = static_cast<double>(ball.center.z);
+      batch.r[n] = static_cast<double>(ball.radius);
+      ++n;
+    }
+    kernels_.intersect(line_, batch, n);
+    Interval* to = out.room(n);
+    bool covered = false;
+    for (std::size_t i = 0; i < n && !covered; ++i) {
+      const Primitive& p = list_[PrimitiveId{met[i]}];
+      *to = {batch.enter[i], batch.exit[i], met[i], p.sign == Sign::Positive};
+      if (p.shape.isSphere()) {
+        covered = holdsAll(*to, along);
+        to += meets(*to, along) ? 1 : 0;
+      } else if (to->enter <= to->exit) {  // the line meets the ball around it
+        out.endAt(to);
+        covered = addVolume(*p.shape.volume(), *to, along, out);
+        to = out.room(n - i);
+      }
+    }
+    out.endAt(to);
+    return covered;
+  }
+
+  // The same for one.
+  bool intersectOne(std::uint32_t slot, RayInterval along, Intervals& out) {
+    const Primitive& p = list_[PrimitiveId{slot}];
+    const std::optional<RayInterval> in = intersect(p.shape.ball(), ray_);
+    if (!in) return false;
+    const Interval interval{in->enter, in->exit, slot, p.sign == Sign::Positive};
+    if (!p.shape.isSphere()) return addVolume(*p.shape.volume(), interval, along, out);
+    return append(interval, along, out);
+  }
+
+  [[gnu::noinline]] bool addVolume(const PosedVolume& volume, Interval interval, RayInterval along,
+                                   Intervals& out) {
+    bool covered = false;
+    for (const RayInterval& in : intervalsOf(interval.slot, volume)) {
+      interval.enter = in.enter;
+      interval.exit = in.exit;
+      covered = append(interval, along, out) || covered;
+    }
+    return covered;
+  }
+
+  static bool append(const Interval& i, RayInterval along, Intervals& out) {
+    Interval* to = out.room(1);
+    *to = i;
+    out.endAt(to + (meets(i, along) ? 1 : 0));
+    return holdsAll(i, along);
+  }
+
+  static bool meets(const Interval& i, RayInterval along) {
+    return (i.exit >= along.enter) & (i.enter <= along.exit);
+  }
+  static bool holdsAll(const Interval& i, RayInterval along) {
+    return (i.enter <= along.enter) & (i.exit > along.exit);
+  }
+
+  [[nodiscard]] std::span<const RayInterval> intervalsOf(std::uint32_t slot, const PosedVolume& volume) {
+    for (const Scratch::Seen& seen : s_.seen)
+      if (seen.slot == slot) return {s_.intervals.data() + seen.first, s_.intervals.data() + seen.end};
+    const std::size_t first = s_.intervals.size();
+    volume.intersect(ray_, s_.intervals);
+    s_.seen.push_back({slot, first, s_.intervals.size()});
+    return {s_.intervals.data() + first, s_.intervals.data() + s_.intervals.size()};
+  }
+
   struct Previous {
     std::uint32_t slot = 0;
     bool positiveOrNone = true;
   };
 
+  // Lists as short as this are dealt with at once.
+  static constexpr std::size_t kFew = 8;
+
   const PrimitiveList& list_;
   const Ray& ray_;
+  const RayKernels& kernels_;
   PrimitiveList::Label end_;
+  bool cuts_;  // something is after the prefix
+  Scratch& s_;
+  std::size_t walks_ = 0;  // how many grids the ray meets, finest first
+  RayLine line_;
+  RayStretch stretch_;
+  double length_;  // of the direction
+  float loss_;
   double t_;
+  double coarseEnd_;    // where the first of the coarser grids' cells ends
+  bool quiet_ = false;  // the finest grid's present cell adds nothing
+  double quietTo_;      // while that is so, nothing changes up to here
+  double next_;         // the next place where something changes, as far as was looked
   bool started_ = false, inside_ = false;
   Previous previous_;
-  std::vector<Interval>&coarse_, &active_;
-  std::vector<RayInterval>& intervals_;
   std::optional<RayHit> hit_;
 };
 
@@ -257,7 +448,7 @@ class Walk {
 std::optional<RayHit> castRay(const PrimitiveList& list, const Ray& ray, Prefix prefix) {
   if (list.empty() || !(ray.tMin < ray.tMax)) return std::nullopt;
   thread_local Scratch scratch;
-  return Walk(list, ray, prefix, scratch).run();
+  return Cast(list, ray, prefix, scratch).run();
 }
 
 }  // namespace restroke::implicit

@@ -6,10 +6,12 @@
 
 #include "implicit/errors.h"
 #include "implicit/simd/ball_kernels.h"
+#include "implicit/simd/ray_kernels.h"
 
 namespace restroke::implicit {
 
 extern const BallKernels kBallKernelsSse2, kBallKernelsAvx2, kBallKernelsAvx512;
+extern const RayKernels kRayKernelsSse2, kRayKernelsAvx2, kRayKernelsAvx512;
 
 std::string_view nameOf(SimdLevel level) {
   switch (level) {
@@ -77,6 +79,22 @@ const BallKernels& ballKernels(SimdLevel level) {
 
 const BallKernels& ballKernels() {
   return ballKernels(simdLevel());
+}
+
+const RayKernels& rayKernels(SimdLevel level) {
+  switch (level) {
+    case SimdLevel::Avx512:
+      return kRayKernelsAvx512;
+    case SimdLevel::Avx2:
+      return kRayKernelsAvx2;
+    case SimdLevel::Sse2:
+      break;
+  }
+  return kRayKernelsSse2;
+}
+
+const RayKernels& rayKernels() {
+  return rayKernels(simdLevel());
 }
 
 }  // namespace restroke::implicit

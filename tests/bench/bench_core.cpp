@@ -1,6 +1,7 @@
 // The core's operations, one by one (Google Benchmark). `bench_core --benchmark_filter=Stamp` runs a part.
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include "implicit/geometry/camera.h"
 #include "implicit/ray_cast.h"
@@ -36,22 +37,43 @@ void Replay(benchmark::State& state) {
 BENCHMARK(Replay)->Arg(30)->Arg(50)->Arg(70)->Arg(100)->Arg(150)->Arg(200)->Arg(400)->Unit(
     benchmark::kMillisecond);
 
+// Exact rays through the pixels of a picture that the model fills: cell size in thousandths of a model unit;
+// pixels scattered (0) or in row order (1); the whole list (0) or its first half (1). Made beforehand:
+// castRay alone is measured.
 void Rays(benchmark::State& state) {
+  constexpr std::int32_t kWidth = 640, kHeight = 360, kRays = 20000;
   const points::SurfelModel model = modelOf(static_cast<float>(state.range(0)) * 1e-3f);
+  const bool rows = state.range(1) != 0, half = state.range(2) != 0;
   const implicit::Sphere ball = model.list().boundingSphere();
   const Camera camera =
-      frameSphere(ball.center, ball.radius, {.view = {-1, -1, -2}, .width = 640, .height = 360});
-  std::int32_t i = 0;
-  std::size_t hits = 0;
+      frameSphere(ball.center, ball.radius, {.view = {-1, -1, -2}, .width = kWidth, .height = kHeight});
+  std::vector<Ray> rays;
+  for (std::int32_t i = 0; i < kRays; ++i) {
+    // In row order, every third row and every fourth pixel: as many, and as many that hit.
+    const std::int32_t x = i % (kWidth / 4), y = i / (kWidth / 4);
+    rays.push_back(rayThrough(camera, rows ? ScreenPoint{64 * x + 8, (48 * y + 8) % (kHeight * kSubPixels)}
+                                           : ScreenPoint{(i * 7919) % (kWidth * kSubPixels),
+                                                         (i * 104729) % (kHeight * kSubPixels)}));
+  }
+  const implicit::Prefix prefix{half ? model.list().size() / 2 : model.list().size()};
+  std::size_t i = 0, hits = 0;
   for (auto _ : state) {
-    const ScreenPoint p{(i * 7919) % (640 * 16), (i * 104729) % (360 * 16)};
-    hits += implicit::castRay(model.list(), rayThrough(camera, p)).has_value();
-    i = (i + 1) % 20000;
+    hits += implicit::castRay(model.list(), rays[i], prefix).has_value();
+    i = i + 1 == rays.size() ? 0 : i + 1;
   }
   state.SetItemsProcessed(state.iterations());
   state.counters["hit share"] = static_cast<double>(hits) / static_cast<double>(state.iterations());
+  state.SetLabel(fmt::format("{}, {}, {}", rows ? "row order" : "scattered",
+                             half ? "half the list" : "whole list", implicit::simdLevelName()));
 }
-BENCHMARK(Rays)->Arg(50)->Arg(100)->Arg(200)->Arg(400);
+BENCHMARK(Rays)
+    ->Args({50, 0, 0})
+    ->Args({100, 0, 0})
+    ->Args({400, 0, 0})
+    ->Args({200, 0, 0})
+    ->Args({200, 0, 1})
+    ->Args({200, 1, 0})
+    ->Args({200, 1, 1});
 
 void Rebuild(benchmark::State& state) {
   points::SurfelModel model = modelOf(0.2f);
