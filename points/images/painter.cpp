@@ -74,9 +74,24 @@ Painter::Painter(const Task& task, PaintMemory& memory, RenderedImage& image)
 
 void Painter::paint() {
   memory_.tiles.fill(task_.scene, setup_, layout_);
+  forgetOtherBlanks();
   forTiles(memory_.tiles, memory_.workspaces,
            [&](int column, int row, Workspace& ws) { paintTile(column, row, ws); });
   if (occluded()) occlude();
+}
+
+void Painter::forgetOtherBlanks() {
+  BlankTiles& blanks = memory_.blanks;
+  const std::size_t count =
+      static_cast<std::size_t>(memory_.tiles.columns()) * static_cast<std::size_t>(memory_.tiles.rows());
+  if (blanks.width == image_.width && blanks.height == image_.height && blanks.tile == layout_.tile &&
+      blanks.occluded == occluded() && blanks.blank.size() == count)
+    return;
+  blanks.width = image_.width;
+  blanks.height = image_.height;
+  blanks.tile = layout_.tile;
+  blanks.occluded = occluded();
+  blanks.blank.assign(count, 0);
 }
 
 void Painter::paintTile(int column, int row, Workspace& ws) {
@@ -84,10 +99,14 @@ void Painter::paintTile(int column, int row, Workspace& ws) {
   const TileWindow inner = {column * side, row * side,
                             std::min(side, static_cast<int>(image_.width) - column * side),
                             std::min(side, static_cast<int>(image_.height) - row * side)};
+  std::uint8_t& blank =
+      memory_.blanks.blank[static_cast<std::size_t>(row * memory_.tiles.columns() + column)];
   if (ws.discs.empty()) {
-    writeNothing(inner);
+    if (blank == 0) writeNothing(inner);
+    blank = 1;
     return;
   }
+  blank = 0;
   TilePass pass;
   pass.window = clippedWindow(task_.camera, inner.x0 - layout_.apron, inner.y0 - layout_.apron);
   pass.nearW = setup_.nearW();

@@ -8,8 +8,18 @@
 
 namespace restroke::points {
 
-/// Memory kept from one picture to the next.
+/// Tiles in which the picture before shows nothing, so that a picture of the same kind in the same memory
+/// need not write them again.
+struct BlankTiles {
+  std::uint32_t width = 0, height = 0;
+  int tile = 0;
+  bool occluded = false;
+  std::vector<std::uint8_t> blank;  ///< row by row
+};
+
+/// Memory kept from one picture to the next, which go into the same image.
 struct PaintMemory {
+  BlankTiles blanks;
   TiledDiscs tiles;
   Workspaces workspaces;
   SurfaceBuffer smooth;
@@ -33,6 +43,7 @@ class Painter {
   void drawSamples(Workspace& ws, const TilePass& pass) const;
   void writeCentres(const Workspace& ws, const TileWindow& window, const TileWindow& inner);
   void writeNothing(const TileWindow& inner);
+  void forgetOtherBlanks();
   void writeIds(const Workspace& ws, const TileWindow& window, const TileWindow& inner);
   void paintEdges(Workspace& ws, TilePass pass, const TileWindow& inner);
   void shadeEdges(Workspace& ws, const TilePass& pass, const TileWindow& inner) const;

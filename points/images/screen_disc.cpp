@@ -82,13 +82,13 @@ void TiledDiscs::fill(const Scene& scene, const ScreenSetup& setup, Layout layou
 }
 
 TiledDiscs::TileRange TiledDiscs::tilesOf(const ScreenDisc& disc) const {
-  const auto tile = [](const std::vector<std::uint16_t>& tileOf, float pixel) {
-    return tileOf[static_cast<std::size_t>(
-        std::clamp(static_cast<int>(pixel), 0, static_cast<int>(tileOf.size()) - 1))];
+  const auto tile = [](const std::vector<std::uint16_t>& tileOf, int pixel) {
+    return tileOf[static_cast<std::size_t>(std::clamp(pixel, 0, static_cast<int>(tileOf.size()) - 1))];
   };
-  const float apron = static_cast<float>(layout_.apron);
-  return {tile(columnOf_, disc.minX - apron), tile(columnOf_, disc.maxX + apron),
-          tile(rowOf_, disc.minY - apron), tile(rowOf_, disc.maxY + apron)};
+  // Another for samples beside the centres, which may lie in the disc when its pixel's centre is outside.
+  const int apron = 2 * layout_.apron;
+  return {tile(columnOf_, disc.firstX - apron), tile(columnOf_, disc.lastX + apron),
+          tile(rowOf_, disc.firstY - apron), tile(rowOf_, disc.lastY + apron)};
 }
 
 template <class Visit>
@@ -128,15 +128,18 @@ void TiledDiscs::fillChunk(Chunk& chunk, const Scene& scene, const ScreenSetup& 
 void TiledDiscs::sortChunk(Chunk& chunk) const {
   // Counting sort: it keeps the order of the surfels within a tile.
   const std::size_t tiles = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-  chunk.first.assign(tiles + 1, 0);
-  for (const TileRange& range : chunk.ranges)
-    forTiles(range, [&](std::size_t tile) { ++chunk.first[tile + 1]; });
-  for (std::size_t tile = 0; tile < tiles; ++tile) chunk.first[tile + 1] += chunk.first[tile];
-  chunk.entries.resize(chunk.first[tiles]);
-  chunk.next.assign(chunk.first.begin(), chunk.first.end() - 1);
+  chunk.end.assign(tiles, 0);
+  for (const TileRange& range : chunk.ranges) forTiles(range, [&](std::size_t tile) { ++chunk.end[tile]; });
+  std::uint32_t sum = 0;
+  for (std::uint32_t& end : chunk.end) {  // where the tile begins, until it is filled
+    const std::uint32_t count = end;
+    end = sum;
+    sum += count;
+  }
+  chunk.entries.resize(sum);
   for (std::size_t i = 0; i < chunk.ranges.size(); ++i)
     forTiles(chunk.ranges[i],
-             [&](std::size_t tile) { chunk.entries[chunk.next[tile]++] = static_cast<std::uint32_t>(i); });
+             [&](std::size_t tile) { chunk.entries[chunk.end[tile]++] = static_cast<std::uint32_t>(i); });
 }
 
 void TiledDiscs::list(int column, int row, std::vector<const ScreenDisc*>& discs) const {
@@ -144,7 +147,7 @@ void TiledDiscs::list(int column, int row, std::vector<const ScreenDisc*>& discs
       static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
   for (std::size_t i = 0; i < chunkCount_; ++i) {
     const Chunk& chunk = chunks_[i];
-    for (std::uint32_t k = chunk.first[tile]; k < chunk.first[tile + 1]; ++k)
+    for (std::uint32_t k = tile == 0 ? 0 : chunk.end[tile - 1]; k < chunk.end[tile]; ++k)
       discs.push_back(&chunk.discs[chunk.entries[k]]);
   }
 }

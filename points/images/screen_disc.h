@@ -61,13 +61,13 @@ class TiledDiscs {
   struct TileRange {
     std::uint16_t column0, column1, row0, row1;
   };
-  /// Discs of consecutive surfels, and for each tile (first[tile] to first[tile + 1]) which of them touch it.
+  /// Discs of consecutive surfels, and for each tile (from end[tile - 1] to end[tile]) which of them touch
+  /// it.
   struct Chunk {
     std::unique_ptr<ScreenDisc[]> discs;
     std::size_t capacity = 0;
     std::vector<TileRange> ranges;
-    std::vector<std::uint32_t> first, next;
-    std::vector<std::uint32_t> entries;
+    std::vector<std::uint32_t> end, entries;
   };
   void fillChunk(Chunk& chunk, const Scene& scene, const ScreenSetup& setup, std::size_t begin) const;
   void sortChunk(Chunk& chunk) const;

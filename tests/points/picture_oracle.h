@@ -86,10 +86,10 @@ inline std::optional<ScreenDisc> projected(const ScreenSetup& setup, const Surfe
   disc.v0 = static_cast<float>(v.x * dx + v.y * dy + v.z - w0 * vc);
   disc.vX = static_cast<float>(v.x * stepX - wX * vc);
   disc.vY = static_cast<float>(v.y * stepY - wY * vc);
-  disc.minX = static_cast<float>(minX);
-  disc.maxX = static_cast<float>(maxX);
-  disc.minY = static_cast<float>(minY);
-  disc.maxY = static_cast<float>(maxY);
+  disc.firstX = static_cast<int>(static_cast<float>(minX) + 0.5f);
+  disc.lastX = static_cast<int>(static_cast<float>(maxX) + 0.5f) - 1;
+  disc.firstY = static_cast<int>(static_cast<float>(minY) + 0.5f);
+  disc.lastY = static_cast<int>(static_cast<float>(maxY) + 0.5f) - 1;
   disc.window = static_cast<float>(2.0 * r * w0 * w0);
   disc.normalX = static_cast<float>(n.x);
   disc.normalY = static_cast<float>(n.y);
@@ -102,10 +102,7 @@ struct DiscSample {
   float w = std::numeric_limits<float>::quiet_NaN(), s = 0;  // s = U^2 + V^2
 };
 inline DiscSample sampleAt(const ScreenDisc& disc, int x, int y) {
-  const auto in = [](int i, float min, float max) {
-    return i >= static_cast<int>(min + 0.5f) && i <= static_cast<int>(max + 0.5f) - 1;
-  };
-  if (!in(x, disc.minX, disc.maxX) || !in(y, disc.minY, disc.maxY)) return {};
+  if (x < disc.firstX || x > disc.lastX || y < disc.firstY || y > disc.lastY) return {};
   const float dx = static_cast<float>(x - disc.pixelX) + (0.5f - disc.fractionX);
   const float dy = static_cast<float>(y - disc.pixelY) + (0.5f - disc.fractionY);
   const float w = (disc.w0 + disc.wY * dy) + disc.wX * dx;

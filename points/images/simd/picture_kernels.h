@@ -36,7 +36,9 @@ struct alignas(16) ScreenDisc {
   float normalX;  ///< camera space: right, up, towards the viewer
   float v0, vX, vY;
   float normalY;
-  float minX, maxX, minY, maxY;  ///< box around the disc, pixels, within the viewport
+  /// Box around the disc: the pixels whose centres may lie in it, within the viewport. Empty where the last
+  /// is before the first.
+  std::int32_t firstX, lastX, firstY, lastY;
   float normalZ;
   std::uint32_t surfel;
   std::uint32_t primitive;
@@ -154,7 +156,8 @@ struct PictureKernels {
   std::size_t (*project)(const ProjectionSetup& setup, SurfelFloats surfels, SurfelNumbers numbers,
                          ScreenDisc* out);
   /// Depth test: the disc with the largest w wins, the first one among equals. A disc covers the pixels in
-  /// its box whose sample obeys U^2 + V^2 <= w^2. drawDepth does not write which disc it was.
+  /// its box (one pixel larger on each side when the sample is not the centre) whose sample obeys U^2 + V^2
+  /// <= w^2. drawDepth does not write which disc it was.
   void (*drawNearest)(NearestPlane& plane, DiscList discs, const TilePass& pass);
   void (*drawDepth)(NearestPlane& plane, DiscList discs, const TilePass& pass);
   /// Adds each disc's normal and kind where it lies within its window behind the nearest disc of the plane,
