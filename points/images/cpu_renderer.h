@@ -1,6 +1,7 @@
 #pragma once
 // Splats on the CPU: discs drawn with a depth test, perspective-correct at every pixel (SPEC S3, S7, S11).
 
+#include <memory>
 #include <span>
 
 #include "implicit/execution.h"
@@ -33,5 +34,36 @@ namespace restroke::points {
 /// number of threads. Throws InputError as renderDepth does, and for options out of range.
 [[nodiscard]] RenderedImage render(const Scene& scene, const Camera& camera,
                                    const RenderOptions& options = {}, const Execution& execution = {});
+
+/// The layers of a picture that are made beside colour; those that are not are left empty, and cost nothing.
+struct Layers {
+  bool depth = true;
+  bool normal = true;
+  bool ids = true;  ///< primitive and stroke
+};
+
+/// Draws one picture after the other into the same memory, as a window does: after the first picture of a
+/// size nothing large is allocated any more. One thread at a time may use it.
+class CpuRenderer {
+ public:
+  explicit CpuRenderer(Layers layers = {});
+  ~CpuRenderer();
+  CpuRenderer(CpuRenderer&&) noexcept;
+  CpuRenderer& operator=(CpuRenderer&&) noexcept;
+
+  /// The bits of restroke::points::render, errors too. The picture is good until the next call.
+  const RenderedImage& render(const Scene& scene, const Camera& camera, const RenderOptions& options = {},
+                              const Execution& execution = {});
+  /// The bits of restroke::points::renderDepth, errors too. The image is good until the next call.
+  const DepthImage& renderDepth(std::span<const Surfel> surfels, const Camera& camera,
+                                const Execution& execution = {});
+
+ private:
+  friend DepthImage restroke::points::renderDepth(std::span<const Surfel>, const Camera&, const Execution&);
+  friend RenderedImage restroke::points::render(const Scene&, const Camera&, const RenderOptions&,
+                                                const Execution&);
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace restroke::points

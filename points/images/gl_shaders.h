@@ -1,5 +1,5 @@
 #pragma once
-// GLSL of the OpenGL renderer. The algebra is that of screen_disc.cpp and tile_raster.h, the look that of
+// GLSL of the OpenGL renderer. The algebra is that of simd/project.inc and simd/raster.inc, the look that of
 // shading.h and occlusion.cpp. Every program is `kGlslVersion`, then constants (lookConstants), then one of
 // these.
 
