@@ -56,7 +56,7 @@ Task taskOf(const Arguments& arguments) {
                                  source.primitives.size()));
   if (arguments.smoke) source.primitives.resize(std::min<std::size_t>(source.primitives.size(), 60));
   Task task = makeTask(source.name, std::move(source.primitives), source.strokes);
-  task.shortened = arguments.smoke ? 3 : 40;
+  task.shortened = arguments.smoke ? 3 : 20;
   if (arguments.smoke) task.density = 2000;
   return task;
 }
@@ -73,7 +73,7 @@ Measured measure(const Task& task, std::size_t rounds, double corefinementSecond
   const std::vector<implicit::SimdLevel> levels = implicit::supportedSimdLevels();
   implicit::useSimdLevel(levels.back());
   std::vector<Column> brush, plain;
-  Column csg("OpenVDB CSG"), corefined("CGAL"), embree("Embree, rebuilt");
+  Column csg("OpenVDB CSG"), plainBrush("leaf brush, plain"), corefined("CGAL"), embree("Embree, rebuilt");
   for (const implicit::SimdLevel level : levels) {
     const std::string name(implicit::nameOf(level));
     out.table.ours.emplace_back("Restroke", name);
@@ -89,12 +89,14 @@ Measured measure(const Task& task, std::size_t rounds, double corefinementSecond
       measurePlainList(task, round, plain[k]);
       if (round == 0) measureBytes(task, out.table.ours[k]);
     }
+    measureLeafBrush(task, round, plainBrush);
     measureEmbree(task, out.table.ours.back().at(Row::Rays).value_or(0), embree);
     if (round % 3 == 0) out.csg = measureOpenVdbCsg(task, csg);
   }
   out.corefined = measureCorefinement(task, corefinementSeconds, corefined);
   std::vector<Column>& rivals = out.table.rivals;
   rivals.push_back(std::move(csg));
+  rivals.push_back(std::move(plainBrush));
   std::move(brush.begin(), brush.end(), std::back_inserter(rivals));
   std::move(plain.begin(), plain.end(), std::back_inserter(rivals));
   rivals.push_back(std::move(corefined));
@@ -106,8 +108,8 @@ int run(std::span<char* const> words) {
   const Arguments arguments = parse(words);
   const Task task = taskOf(arguments);
   const std::size_t rounds = arguments.smoke ? 1 : 5;
-  const Measured measured = measure(task, rounds, arguments.smoke ? 5 : 15);
-  const std::vector<Check> checks = checkRivals(task, measured.csg, measured.corefined);
+  const Measured measured = measure(task, rounds, arguments.smoke ? 5 : 20);
+  const std::vector<Check> checks = checkRivals(task, measured.table, measured.csg, measured.corefined);
   const Heading heading{.origin = experiments::provenance(),
                         .list = task.name,
                         .primitives = task.list.size(),

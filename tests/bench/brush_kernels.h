@@ -37,6 +37,9 @@ struct BrushKernels {
                              std::uint32_t* out);
 };
 
+/// brushLeaf as plain loops, row by row, for the compiler to make the best of.
+void brushLeafPlainly(const BrushedLeaf& leaf, const BrushBall& ball);
+
 extern const BrushKernels kBrushKernelsSse2, kBrushKernelsAvx2, kBrushKernelsAvx512;
 
 }  // namespace restroke::bench

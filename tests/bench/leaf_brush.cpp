@@ -37,15 +37,10 @@ Distances2 distancesTo(const float first[3], float span) {
   return out;
 }
 
-void write(Leaf& leaf, const float first[3], const BrushBall& ball, const BrushKernels& kernels) {
-  kernels.brushLeaf(
-      {leaf.buffer().data(), &leaf.getValueMask().getWord<std::uint64_t>(0), first[0], first[1], first[2]},
-      ball);
-}
-
 }  // namespace
 
-LeafBrush::LeafBrush(double voxel) : grid_(std::make_unique<OpenVdbGrid>()), voxel_(voxel) {
+LeafBrush::LeafBrush(double voxel, Loops loops)
+    : grid_(std::make_unique<OpenVdbGrid>()), voxel_(voxel), loops_(loops) {
   openvdb::initialize();
   grid_->grid = openvdb::createLevelSet<openvdb::FloatGrid>(voxel, kHalfWidth);
 }
@@ -56,7 +51,7 @@ void LeafBrush::stamp(const implicit::Primitive& primitive) {
   const auto voxel = static_cast<float>(voxel_);
   const BrushBall ball{sphere.radius, grid_->grid->background(), voxel,
                        primitive.sign == implicit::Sign::Positive};
-  const BrushKernels& kernels = brushKernels();
+  const auto brushLeaf = loops_ == Loops::Plain ? brushLeafPlainly : brushKernels().brushLeaf;
   const float reach = ball.radius + ball.band, core = ball.radius - ball.band;
   const float span = (kDim - 1) * voxel;
   const float deep = ball.adds ? -ball.band : ball.band;  // what the ball's core becomes
@@ -84,7 +79,10 @@ void LeafBrush::stamp(const implicit::Primitive& primitive) {
           accessor.clear();  // it may still know the leaf that is gone
           continue;
         }
-        write(leaf ? *leaf : *accessor.touchLeaf(at), first, ball, kernels);
+        if (!leaf) leaf = accessor.touchLeaf(at);
+        brushLeaf({leaf->buffer().data(), &leaf->getValueMask().getWord<std::uint64_t>(0), first[0], first[1],
+                   first[2]},
+                  ball);
       }
 }
 

@@ -15,15 +15,17 @@ struct OpenVdbGrid;
 ///
 /// A stamp visits the leaves that the ball's box, band included, meets. It passes over those that the band
 /// does not reach and tiles that cannot change, turns a leaf that lies deep in the ball into a tile, and else
-/// writes min(old, d) or max(old, -d) into the leaf's buffer, 4, 8 or 16 voxels at a time (brush_kernels.h).
-/// The values are those of OpenVDB's CSG, but for rounding.
+/// writes min(old, d) or max(old, -d) into the leaf's buffer: by loops that are left to the compiler, or 4, 8
+/// or 16 voxels at a time (brush_kernels.h). The values are those of OpenVDB's CSG, but for rounding.
 ///
 /// Undo is a replay without the stroke. Leaves saved before each stroke would take back the last one only:
 /// under later strokes min and max have forgotten what the stroke in the middle had hidden, so that no set
 /// of saved leaves brings it back, and the later strokes must be stamped again.
 class LeafBrush {
  public:
-  explicit LeafBrush(double voxel);  ///< model units
+  enum class Loops { Plain, Simd };
+  /// The voxel is in model units. Simd: at the level that Restroke uses.
+  explicit LeafBrush(double voxel, Loops loops = Loops::Simd);
   ~LeafBrush();
   LeafBrush(const LeafBrush&) = delete;
   LeafBrush& operator=(const LeafBrush&) = delete;
@@ -48,6 +50,7 @@ class LeafBrush {
  private:
   std::unique_ptr<OpenVdbGrid> grid_;
   double voxel_;
+  Loops loops_;
 };
 
 }  // namespace restroke::bench

@@ -32,8 +32,7 @@ void measureUndo(const Task& task, points::SurfelModel& model, Column& column) {
     milliseconds.push_back(1e3 * secondsSince(start));
     model.insert(stroke.first, std::span(task.list).subspan(stroke.first, stroke.count));
   }
-  column.add(Row::UndoMedian, quantile(milliseconds, 0.5));
-  column.add(Row::UndoP99, quantile(milliseconds, 0.99));
+  if (!milliseconds.empty()) column.add(Series::Undos, std::move(milliseconds));
 }
 
 void measurePicture(const Task& task, const points::SurfelModel& model, Column& column) {
@@ -106,10 +105,9 @@ void measureRestroke(const Task& task, Column& column) {
     stamps.push_back(1e6 * secondsSince(start));
   }
   column.add(Row::Replay, 1e3 * secondsSince(begin));
-  column.add(Row::StampMedian, quantile(stamps, 0.5));
-  column.add(Row::StampP99, quantile(stamps, 0.99));
-  stamps.resize(std::min(stamps.size(), task.shortened));
-  column.add(Row::ShortStampMedian, quantile(stamps, 0.5));
+  column.add(Series::ShortStamps, {stamps.begin(), stamps.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                                        stamps.size(), task.shortened))});
+  column.add(Series::Stamps, std::move(stamps));
 
   for (const int threads : {1, 2}) {
     const auto start = Clock::now();

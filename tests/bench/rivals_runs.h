@@ -10,8 +10,9 @@
 
 namespace restroke::bench {
 
-/// Adds one repetition to the column, at the SIMD level in use where the rival has one. `round` chooses which
-/// strokes are undone, where one undo takes so long that only a few fit into a round.
+/// Adds one repetition to the column, at the SIMD level in use where the rival has one: a leaf brush without
+/// a level in its column has plain loops. `round` chooses which strokes are undone, where one undo takes so
+/// long that only a few fit into a round.
 void measureLeafBrush(const Task& task, std::size_t round, Column& column);
 void measurePlainList(const Task& task, std::size_t round, Column& column);
 [[nodiscard]] OpenVdbResult measureOpenVdbCsg(const Task& task, Column& column);
@@ -24,7 +25,7 @@ struct Check {
   bool holds = false;
   std::string sentence;
 };
-[[nodiscard]] std::vector<Check> checkRivals(const Task& task, const OpenVdbResult& csg,
-                                             const CorefinementResult& corefined);
+[[nodiscard]] std::vector<Check> checkRivals(const Task& task, const RivalsTable& table,
+                                             const OpenVdbResult& csg, const CorefinementResult& corefined);
 
 }  // namespace restroke::bench

@@ -35,8 +35,11 @@ constexpr Target kTargets[] = {
     {"stamp against OpenVDB's CSG", Row::StampMedian, "", "OpenVDB CSG", 200, true},
     {"stamp against the leaf brush", Row::StampMedian, "avx512", "leaf brush", 5, true},
     {"stamp against the leaf brush", Row::StampMedian, "avx2", "leaf brush", 2.5, true},
+    {"stamp against its plain loops", Row::StampMedian, "avx512", "leaf brush, plain", 5, true},
+    {"stamp against its plain loops", Row::StampMedian, "avx2", "leaf brush, plain", 2.5, true},
     {"rebuild of everything, 2 threads", Row::RebuildTwo, "", "", 8, false},
     {"that against the leaf brush's replay", Row::RebuildTwo, "", "leaf brush", 10, true},
+    {"that against its plain loops", Row::RebuildTwo, "", "leaf brush, plain", 10, true},
     {"undo of a stroke in the middle, median", Row::UndoMedian, "", "", 0.5, false},
     {"undo of a stroke in the middle, 99th perc.", Row::UndoP99, "", "", 2, false},
     {"bytes a surfel", Row::BytesPerSurfel, "", "", 20, false},
@@ -48,6 +51,37 @@ constexpr Target kTargets[] = {
     {"picture, laying out included", Row::Picture, "avx512", "", 12, false},
     {"picture, laying out included", Row::Picture, "sse2", "", 20, false},
 };
+
+// The series that a row is a quantile of.
+struct Source {
+  Series series;
+  double q;
+};
+std::optional<Source> sourceOf(Row row) {
+  switch (row) {
+    case Row::StampMedian:
+      return Source{Series::Stamps, 0.5};
+    case Row::StampP99:
+      return Source{Series::Stamps, 0.99};
+    case Row::ShortStampMedian:
+      return Source{Series::ShortStamps, 0.5};
+    case Row::UndoMedian:
+      return Source{Series::Undos, 0.5};
+    case Row::UndoP99:
+      return Source{Series::Undos, 0.99};
+    default:
+      return std::nullopt;
+  }
+}
+
+std::vector<double> mediansOf(const std::vector<std::vector<double>>& rounds) {
+  std::vector<double> medians(rounds[0].size()), values(rounds.size());
+  for (std::size_t i = 0; i < medians.size(); ++i) {
+    for (std::size_t round = 0; round < rounds.size(); ++round) values[round] = rounds[round].at(i);
+    medians[i] = quantile(values, 0.5);
+  }
+  return medians;
+}
 
 }  // namespace
 
@@ -62,9 +96,19 @@ double quantile(std::vector<double> values, double q) {
 }
 
 std::optional<double> Column::at(Row row) const {
+  if (const std::optional<Source> source = sourceOf(row)) {
+    const auto& rounds = series_[static_cast<std::size_t>(source->series)];
+    if (!rounds.empty()) return quantile(mediansOf(rounds), source->q);
+  }
   const std::vector<double>& values = values_[static_cast<std::size_t>(row)];
   if (values.empty()) return std::nullopt;
   return quantile(values, 0.5);
+}
+
+std::size_t Column::repetitions(Row row) const {
+  const std::optional<Source> source = sourceOf(row);
+  const std::size_t rounds = source ? series_[static_cast<std::size_t>(source->series)].size() : 0;
+  return rounds > 0 ? rounds : values_[static_cast<std::size_t>(row)].size();
 }
 
 const Column* RivalsTable::ourColumn(std::string_view level) const {
@@ -82,8 +126,8 @@ const Column* RivalsTable::rivalColumn(std::string_view name, std::string_view l
   return found;
 }
 
-std::optional<double> RivalsTable::ratio(Row row, const Column& rival) const {
-  const Column* column = ourColumn(rival.level());
+std::optional<double> RivalsTable::ratio(Row row, const Column& rival, std::string_view level) const {
+  const Column* column = ourColumn(rival.level().empty() ? level : rival.level());
   if (!column) return std::nullopt;
   const std::optional<double> a = column->at(row), b = rival.at(row);
   if (!a || !b || *a <= 0 || *b <= 0) return std::nullopt;
@@ -99,7 +143,7 @@ std::optional<double> reached(const RivalsTable& table, const Target& target) {
   if (!column) return std::nullopt;
   if (target.rival.empty()) return column->at(target.row);
   const Column* rival = table.rivalColumn(target.rival, target.level);
-  return rival ? table.ratio(target.row, *rival) : std::nullopt;
+  return rival ? table.ratio(target.row, *rival, target.level) : std::nullopt;
 }
 
 bool isMet(const Target& target, double value) {

@@ -43,7 +43,13 @@ struct RowInfo {
 };
 [[nodiscard]] const RowInfo& infoOf(Row row);
 
-/// The measurements of one program or library. Each figure is the median of all that were added.
+/// Things of which each is measured once a round.
+enum class Series : std::size_t { Stamps, ShortStamps, Undos };
+inline constexpr std::size_t kSeries = 3;
+
+/// The measurements of one program or library. Each figure is the median of all that were added; of a series
+/// it is a quantile over the medians of each thing, so that what else the machine did once is nobody's 99th
+/// percentile.
 class Column {
  public:
   explicit Column(std::string name, std::string level = {})
@@ -53,15 +59,18 @@ class Column {
   /// Of SIMD, where it can be chosen; else empty.
   [[nodiscard]] const std::string& level() const { return level_; }
   void add(Row row, double value) { values_[static_cast<std::size_t>(row)].push_back(value); }
+  /// One round of a series: as many values as in the rounds before it.
+  void add(Series series, std::vector<double> round) {
+    series_[static_cast<std::size_t>(series)].push_back(std::move(round));
+  }
   /// Nothing where it was not measured.
   [[nodiscard]] std::optional<double> at(Row row) const;
-  [[nodiscard]] std::size_t repetitions(Row row) const {
-    return values_[static_cast<std::size_t>(row)].size();
-  }
+  [[nodiscard]] std::size_t repetitions(Row row) const;
 
  private:
   std::string name_, level_;
   std::array<std::vector<double>, kRows> values_;
+  std::array<std::vector<std::vector<double>>, kSeries> series_;
 };
 
 /// Restroke at every SIMD level, lowest first, and the rivals.
@@ -72,8 +81,9 @@ struct RivalsTable {
   /// Null when there is none. Without a level: the highest one.
   [[nodiscard]] const Column* ourColumn(std::string_view level) const;
   [[nodiscard]] const Column* rivalColumn(std::string_view name, std::string_view level) const;
-  /// How many times better Restroke is than the rival, at the rival's level where it has one.
-  [[nodiscard]] std::optional<double> ratio(Row row, const Column& rival) const;
+  /// How many times better Restroke is than the rival: at the rival's level where it has one, else at
+  /// `level`.
+  [[nodiscard]] std::optional<double> ratio(Row row, const Column& rival, std::string_view level = {}) const;
 };
 
 /// What Restroke is to reach on a machine of 2 cores, with 108 strokes, 3,426 stamps and 280,000 surfels.
