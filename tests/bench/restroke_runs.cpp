@@ -9,6 +9,7 @@
 #include "implicit/errors.h"
 #include "implicit/ray_cast.h"
 #include "points/images/cpu_renderer.h"
+#include "tests/experiments/counted_allocation.h"
 
 namespace restroke::bench {
 namespace {
@@ -132,7 +133,8 @@ void measureBytes(const Task& task, Column& column) {
              static_cast<double>(bytes.surfels) / static_cast<double>(model->surfelCount()));
   column.add(Row::BytesPerPrimitive,
              static_cast<double>(bytes.list + bytes.clusters) / static_cast<double>(task.list.size()));
-  if (after > before) column.add(Row::AllocatedBytes, static_cast<double>(after - before) / 1e6);
+  if (experiments::kCountsAllocation)
+    column.add(Row::AllocatedBytes, static_cast<double>(after - before) / 1e6);
 }
 
 }  // namespace restroke::bench
