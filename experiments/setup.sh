@@ -19,7 +19,8 @@ restroke_packages=(
   python3 python3-matplotlib python3-numpy                     # experiments: figures
   libgtest-dev libbenchmark-dev                                # tests
   admesh                                                       # tests: another opinion about meshes
-  libopenvdb-dev libboost-iostreams-dev                        # tests/bench: the rival
+  libopenvdb-dev libboost-iostreams-dev                        # tests/bench: a rival
+  valgrind                                                     # tests/bench: counts of instructions
 )
 restroke_clang_packages=(clang-19 libclang-rt-19-dev)
 restroke_ci_packages=(clang-format-19 openexr)

@@ -1,94 +1,146 @@
-// One table: the same list of stamps through Restroke and through OpenVDB's CSG, in one run.
+// One table: the same list of stamps through Restroke and its rivals, in one run, and a second one: what
+// Restroke is to reach, and whether it does. README.md beside this file says how to read them.
 //
-//   bench_rivals [LOG|STAMPS] [--smoke]
+//   bench_rivals [LOG|STAMPS] [--smoke] [--json FILE] [--csv FILE]
+//
+// Exit 1 when a rival does not do the same work.
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cstring>
+#include <cstdio>
+#include <span>
+#include <string_view>
 
+#include "implicit/errors.h"
 #include "implicit/simd/dispatch.h"
-#include "points/surfel_model.h"
-#include "tests/bench/openvdb_csg.h"
+#include "tests/bench/rivals_output.h"
 #include "tests/bench/stamp_source.h"
 
 namespace restroke::bench {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-constexpr float kDensity = 14000;
-constexpr double kVoxel = 0.01;
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-double quantile(std::vector<double> v, double q) {
-  if (v.empty()) return 0;
-  std::sort(v.begin(), v.end());
-  return v[static_cast<std::size_t>(q * static_cast<double>(v.size() - 1))];
-}
-
-struct Run {
-  double seconds = 0;
-  std::vector<double> stamps;  // microseconds
-  std::size_t surfels = 0, bytes = 0;
+struct Arguments {
+  std::filesystem::path list, json, csv;
+  bool smoke = false;
 };
 
-Run replay(const std::vector<implicit::Primitive>& list) {
-  Run run;
-  points::SurfelModel model({.density = kDensity});
-  const auto begin = Clock::now();
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const auto start = Clock::now();
-    model.append(std::span(&list[i], 1));
-    if (i > 0) run.stamps.push_back(1e6 * secondsSince(start));
+Arguments parse(std::span<char* const> words) {
+  Arguments out;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string_view word = words[i];
+    if (word == "--smoke") {
+      out.smoke = true;
+    } else if (word == "--json" || word == "--csv") {
+      if (i + 1 == words.size()) throw InputError(fmt::format("{} needs a file", word));
+      (word == "--json" ? out.json : out.csv) = words[++i];
+    } else if (word.starts_with("-") || !out.list.empty()) {
+      throw InputError(fmt::format(
+          "unknown argument '{}'; usage: bench_rivals [LOG|STAMPS] [--smoke] [--json FILE] [--csv FILE]",
+          word));
+    } else {
+      out.list = word;
+    }
   }
-  run.seconds = secondsSince(begin);
-  run.surfels = model.surfelCount();
-  run.bytes = model.bytes().total();
-  return run;
+  return out;
 }
 
-int main(int argc, char** argv) {
-  std::filesystem::path file;
-  bool smoke = false;
-  for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--smoke") == 0)
-      smoke = true;
-    else
-      file = argv[i];
-  }
-  StampSource source = loadStamps(file);
-  if (smoke) source.primitives.resize(std::min<std::size_t>(source.primitives.size(), 60));
-  const Run cold = replay(source.primitives);  // makes the tables of sample directions as well
-  std::vector<Run> runs;
-  for (int i = 0; i < (smoke ? 1 : 5); ++i) runs.push_back(replay(source.primitives));
-  std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.seconds < b.seconds; });
-  const Run& ours = runs[runs.size() / 2];
-  const OpenVdbResult vdb = replayWithOpenVdb(source.primitives, kVoxel);
+Task taskOf(const Arguments& arguments) {
+  StampSource source = loadStamps(arguments.list);
+  for (const implicit::Primitive& p : source.primitives)
+    if (!p.shape.isSphere())
+      throw InputError(
+          fmt::format("{}: holds a primitive that is no sphere; the rivals stamp spheres only", source.name));
+  if (source.primitives.size() < 2)
+    throw InputError(fmt::format("{}: holds {} primitives; a base and a stamp are needed", source.name,
+                                 source.primitives.size()));
+  if (arguments.smoke) source.primitives.resize(std::min<std::size_t>(source.primitives.size(), 60));
+  Task task = makeTask(source.name, std::move(source.primitives), source.strokes);
+  task.shortened = arguments.smoke ? 3 : 20;
+  if (arguments.smoke) task.density = 2000;
+  return task;
+}
 
-  fmt::print(
-      "{}: {} primitives, density {}, {} surfels; OpenVDB voxel {}, {} active voxels; Restroke on one thread "
-      "with {}, OpenVDB on all\n",
-      source.name, source.primitives.size(), kDensity, ours.surfels, kVoxel, vdb.activeVoxels,
-      implicit::simdLevelName());
-  fmt::print("{:<34}{:>12}{:>14}{:>10}\n", "", "Restroke", "OpenVDB CSG", "ratio");
-  const auto row = [](const char* what, double a, double b) {
-    fmt::print("{:<34}{:>12.2f}{:>14.2f}{:>9.1f}x\n", what, a, b, b / a);
-  };
-  row("stamp, median (us)", quantile(ours.stamps, 0.5), quantile(vdb.stampMicroseconds, 0.5));
-  row("stamp, 99th percentile (us)", quantile(ours.stamps, 0.99), quantile(vdb.stampMicroseconds, 0.99));
-  row("whole replay (ms)", 1e3 * ours.seconds, 1e3 * vdb.seconds);
-  row("whole replay, first in process (ms)", 1e3 * cold.seconds, 1e3 * vdb.seconds);
-  row("model (MB)", static_cast<double>(ours.bytes) / 1e6, static_cast<double>(vdb.bytes) / 1e6);
-  return 0;
+struct Measured {
+  RivalsTable table;
+  OpenVdbResult csg;
+  CorefinementResult corefined;
+};
+
+// One after the other in each round, so that what else the machine does falls on all of them.
+Measured measure(const Task& task, std::size_t rounds, double corefinementSeconds) {
+  Measured out;
+  const std::vector<implicit::SimdLevel> levels = implicit::supportedSimdLevels();
+  implicit::useSimdLevel(levels.back());
+  std::vector<Column> brush, plain;
+  Column csg("OpenVDB CSG"), plainBrush("leaf brush, plain"), corefined("CGAL"), embree("Embree, rebuilt");
+  for (const implicit::SimdLevel level : levels) {
+    const std::string name(implicit::nameOf(level));
+    out.table.ours.emplace_back("Restroke", name);
+    brush.emplace_back("leaf brush", name);
+    plain.emplace_back("plain list", name);
+  }
+  out.table.ours.back().add(Row::FirstReplay, 1e3 * replaySeconds(task));
+  for (std::size_t round = 0; round < rounds; ++round) {
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+      implicit::useSimdLevel(levels[k]);
+      measureRestroke(task, out.table.ours[k]);
+      measureLeafBrush(task, round, brush[k]);
+      measurePlainList(task, round, plain[k]);
+      if (round == 0) measureBytes(task, out.table.ours[k]);
+    }
+    measureLeafBrush(task, round, plainBrush);
+    measureEmbree(task, out.table.ours.back().at(Row::Rays).value_or(0), embree);
+    if (round % 3 == 0) out.csg = measureOpenVdbCsg(task, csg);
+  }
+  out.corefined = measureCorefinement(task, corefinementSeconds, corefined);
+  std::vector<Column>& rivals = out.table.rivals;
+  rivals.push_back(std::move(csg));
+  rivals.push_back(std::move(plainBrush));
+  std::move(brush.begin(), brush.end(), std::back_inserter(rivals));
+  std::move(plain.begin(), plain.end(), std::back_inserter(rivals));
+  rivals.push_back(std::move(corefined));
+  rivals.push_back(std::move(embree));
+  return out;
+}
+
+int run(std::span<char* const> words) {
+  const Arguments arguments = parse(words);
+  const Task task = taskOf(arguments);
+  const std::size_t rounds = arguments.smoke ? 1 : 5;
+  const Measured measured = measure(task, rounds, arguments.smoke ? 5 : 20);
+  const std::vector<Check> checks = checkRivals(task, measured.table, measured.csg, measured.corefined);
+  const Heading heading{.origin = experiments::provenance(),
+                        .list = task.name,
+                        .primitives = task.list.size(),
+                        .strokes = task.strokes.size(),
+                        .surfels = modelOf(task).surfelCount(),
+                        .activeVoxels = measured.csg.activeVoxels,
+                        .rays = task.rays.size(),
+                        .rounds = rounds,
+                        .shortened = measured.corefined.stamps,
+                        .density = task.density,
+                        .voxel = task.voxel};
+  fmt::print("{}\n{}\n", textOf(heading, measured.table), textOfTargets(measured.table));
+  bool hold = true;
+  for (const Check& check : checks) {
+    fmt::print("{}: {}\n", check.holds ? "holds" : "DOES NOT HOLD", check.sentence);
+    hold = hold && check.holds;
+  }
+  if (!arguments.json.empty())
+    writeFile(arguments.json, jsonOf(heading, measured.table, checks).dump(1) + "\n");
+  if (!arguments.csv.empty()) writeFile(arguments.csv, csvOf(measured.table));
+  return hold ? 0 : 1;
 }
 
 }  // namespace
 }  // namespace restroke::bench
 
 int main(int argc, char** argv) {
-  return restroke::bench::main(argc, argv);
+  try {
+    return restroke::bench::run(std::span(argv + 1, static_cast<std::size_t>(argc - 1)));
+  } catch (const restroke::InputError& error) {
+    fmt::print(stderr, "bench_rivals: {}\n", error.what());
+    return 2;
+  }
 }

@@ -1,10 +1,11 @@
 #include "tests/bench/openvdb_csg.h"
 
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/Composite.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
 #include <chrono>
+
+#include "tests/bench/openvdb_grid.h"
 
 namespace restroke::bench {
 
@@ -18,7 +19,7 @@ OpenVdbResult replayWithOpenVdb(const std::vector<implicit::Primitive>& list, do
     const auto start = Clock::now();
     const openvdb::Vec3f c(p.shape.ball().center.x, p.shape.ball().center.y, p.shape.ball().center.z);
     openvdb::FloatGrid::Ptr ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(
-        p.shape.ball().radius, c, static_cast<float>(voxel), 3.0f);
+        p.shape.ball().radius, c, static_cast<float>(voxel), kHalfWidth);
     if (!shape) {
       shape = ball;
       continue;
@@ -33,6 +34,7 @@ OpenVdbResult replayWithOpenVdb(const std::vector<implicit::Primitive>& list, do
   if (shape) {
     out.bytes = shape->memUsage();
     out.activeVoxels = shape->activeVoxelCount();
+    out.grid = std::make_shared<OpenVdbGrid>(OpenVdbGrid{shape});
   }
   return out;
 }
