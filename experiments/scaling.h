@@ -22,7 +22,7 @@
 //            same by construction. Strokes jump from pebble to pebble, so that each finds its place out of
 //            the caches. No limit but memory: the samples of all pebbles are one table.
 //   detail   one unit sphere; the brush shrinks as 1 / sqrt(n) while the density grows as n. The base alone
-//            has 67 n samples, which ends at the most that a primitive may have (2^26, about a million
+//            has 65 n samples, which ends at the most that a primitive may have (2^26, about a million
 //            stamps), and its table is read all over.
 // A large slab would be a third: half of its samples would lie on a side that nothing touches.
 //

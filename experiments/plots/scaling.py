@@ -78,8 +78,10 @@ def mark_paper(axes, figure, title):
                   va="top", fontsize=7.5, color="#777777")
     if title.startswith("picture"):
         axes.axhline(FRAME, color="#777777", linestyle=":", linewidth=1, zorder=1)
-        axes.annotate("a 60th of a second", (1, FRAME), xycoords=("axes fraction", "data"), xytext=(0, 2),
-                      textcoords="offset points", ha="right", fontsize=7.5, color="#777777")
+        left, right = axes.get_xlim()
+        at_right = place ** 2 < left * right  # on the side where the star is not
+        axes.annotate("a 60th of a second", (at_right, FRAME), xycoords=("axes fraction", "data"), xytext=(0, 2),
+                      textcoords="offset points", ha="right" if at_right else "left", fontsize=7.5, color="#777777")
         axes.plot([place], [FRAME], marker="*", markersize=11, color="#222222", zorder=8)
 
 

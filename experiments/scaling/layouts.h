@@ -25,15 +25,16 @@ struct Layout {
   /// kind, for measuring stamps on the whole list.
   std::function<std::vector<implicit::Primitive>(std::size_t k)> stroke;
   bool endless = true;
-  float density = 0;  ///< samples per square model unit
-  Vec3 view{-0.35f, -0.25f, -1};
+  float density = 0;              ///< samples per square model unit
+  Vec3 view{-0.35f, -0.25f, -1};  ///< how it is looked at, and how much of the picture's height its
+  float fill = 0.97f;             ///< bounding sphere takes
 };
 
 /// A surface that grows: pebbles, each with about 1,000 stamps, on a square tray. Every pebble has the same
 /// size, the same brush and the same number of strokes to within one, so that a stamp meets as many others in
 /// a list of a million as in one of a thousand. Each stroke is on another pebble, far from the last. Stamps,
 /// crowding and density are about those of the paper's sculpture: 272 stamps of radius 0.045 a square unit,
-/// 18,400 samples a square unit.
+/// 17,600 samples a square unit.
 [[nodiscard]] Layout extentLayout(std::size_t primitives, std::uint64_t seed);
 
 /// Detail that grows: one unit sphere, and a brush that shrinks as 1 / sqrt(primitives) while the density

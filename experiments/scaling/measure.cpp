@@ -185,7 +185,7 @@ class Subject {
   [[nodiscard]] Camera camera(std::uint32_t width, std::uint32_t height) const {
     const implicit::Sphere around = model_.list().boundingSphere();
     return frameSphere(around.center, around.radius,
-                       {.view = layout_.view, .width = width, .height = height, .fill = 1.0f});
+                       {.view = layout_.view, .width = width, .height = height, .fill = layout_.fill});
   }
 
   struct Cast {

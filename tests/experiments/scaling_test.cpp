@@ -68,7 +68,7 @@ TEST(ScalingLayouts, AStampHasAsManySamplesAtEverySize) {
     for (const std::size_t n : {std::size_t{1000}, std::size_t{1'000'000}}) {
       const Layout made = layout(n, 1);
       const auto samples = implicit::sampleCount(made.stroke(0).front().shape, made.density);
-      EXPECT_NEAR(samples, 468, 16);
+      EXPECT_NEAR(samples, 448, 16);
     }
 }
 
@@ -142,7 +142,7 @@ TEST(ScalingLayouts, RadiiReallySpanWhatTheySay) {
       below += r < std::sqrt(radiiOf(spread).least * radiiOf(spread).most);
     }
     EXPECT_LE(most / least, spread * 1.001);
-    EXPECT_GT(most / least, std::pow(spread, 0.95)) << "of 125 strokes the outermost are near the ends";
+    EXPECT_GE(most / least, std::pow(spread, 0.95)) << "of 125 strokes the outermost are near the ends";
     if (spread > 1) {
       EXPECT_NEAR(static_cast<double>(below) / static_cast<double>(count), 0.5, 0.05) << "log-uniform";
     }
@@ -335,14 +335,15 @@ TEST(Scaling, WhatMemoryDoesNotSufficeForIsLeftOutWithAReason) {
   // A list of 10^12 primitives is more than any machine holds; it is not begun.
   ScalingOptions options = tiny();
   options.most = 1000;
-  options.crowd = 1'000'000'000'000;
+  options.crowd = 100;
+  options.spreadPrimitives = 1'000'000'000'000;
   const ScalingResults results = measureScaling({}, options);
-  EXPECT_EQ(results.notes.size(), 3u) << "one for each cap";
+  EXPECT_EQ(results.notes.size(), 3u) << "one for each spread";
   for (const std::string& note : results.notes) {
-    EXPECT_NE(note.find("crowding"), std::string::npos) << note;
+    EXPECT_NE(note.find("spread"), std::string::npos) << note;
     EXPECT_NE(note.find("GB"), std::string::npos) << note;
   }
-  for (const ScalingRow& row : results.rows) EXPECT_NE(row.sweep, Sweep::Crowding);
+  for (const ScalingRow& row : results.rows) EXPECT_NE(row.sweep, Sweep::Spread);
 }
 
 TEST(Scaling, WhatTheSamplingRefusesIsLeftOutWithAReason) {
