@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -219,6 +220,7 @@ struct ScalingCommand {
   std::string out;
   bool smoke = false;
   std::size_t mostSurfels = 100'000'000;
+  std::vector<std::string> sweeps;
   ScalingOptions options;
 
   void addTo(CLI::App& app) {
@@ -240,12 +242,19 @@ struct ScalingCommand {
     command->add_option("--most-surfels", mostSurfels, "surfels of the densest sampling, default 100,000,000")
         ->check(CLI::Range(10'000, 1'000'000'000))
         ->type_name("N");
+    command->add_option("--sweep", sweeps, "only this one; may be given several times; default all")
+        ->check(CLI::IsMember({"extent", "detail", "surfels", "crowding", "spread"}))
+        ->type_name("NAME");
     command->add_option("--seed", options.seed, "of strokes and rays");
     common.addTo(*command);
     command->callback([this] { run(); });
   }
 
   void run() {
+    if (!sweeps.empty())
+      std::erase_if(options.sweeps, [this](Sweep sweep) {
+        return std::ranges::find(sweeps, infoOf(sweep).name) == sweeps.end();
+      });
     std::erase_if(options.surfels, [this](std::size_t n) { return n > mostSurfels; });
     const ScalingOptions sized = smoke ? smokeSize(options) : options;
     std::vector<fs::path> files(logs.begin(), logs.end());

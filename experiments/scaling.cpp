@@ -64,6 +64,10 @@ std::vector<double> spreadsOf(const ScalingOptions& options) {
   return {1, 10, 100, 1000, 10'000};
 }
 
+bool wants(const ScalingOptions& options, Sweep sweep) {
+  return std::ranges::find(options.sweeps, sweep) != options.sweeps.end();
+}
+
 std::vector<Trial> madeTrials(const ScalingOptions& options) {
   std::vector<Trial> trials;
   const std::uint64_t seed = options.seed;
@@ -76,6 +80,7 @@ std::vector<Trial> madeTrials(const ScalingOptions& options) {
     trials.push_back({Sweep::Crowding, {}, cap, crowd, [=] { return crowdedLayout(crowd, cap, seed); }});
   for (const double spread : spreadsOf(options))
     trials.push_back({Sweep::Spread, {}, spread, many, [=] { return spreadLayout(many, spread, seed); }});
+  std::erase_if(trials, [&](const Trial& trial) { return !wants(options, trial.sweep); });
   return trials;
 }
 
@@ -169,12 +174,16 @@ ScalingOptions smokeSize(ScalingOptions options) {
 
 std::string describe(const ScalingOptions& options) {
   const MeasureOptions& m = options.measure;
+  std::vector<std::string_view> sweeps;
+  for (const Sweep sweep : options.sweeps) sweeps.push_back(infoOf(sweep).name);
   return fmt::format(
-      "most={} surfels={} crowd={} spreadPrimitives={} stamps={} undos={} patience={} picture={}x{} "
+      "sweeps={} most={} surfels={} crowd={} spreadPrimitives={} stamps={} undos={} patience={} "
+      "picture={}x{} "
       "seed={} "
       "smoke={}",
-      options.most, fmt::join(options.surfels, ","), options.crowd, options.spreadPrimitives, m.stamps,
-      m.undos, m.patience, m.width, m.height, options.seed, options.smoke);
+      fmt::join(sweeps, ","), options.most, fmt::join(options.surfels, ","), options.crowd,
+      options.spreadPrimitives, m.stamps, m.undos, m.patience, m.width, m.height, options.seed,
+      options.smoke);
 }
 
 const SweepInfo& infoOf(Sweep sweep) {
@@ -203,6 +212,7 @@ ScalingResults measureScaling(const std::vector<fs::path>& logs, const ScalingOp
   results.height = options.measure.height;
   std::vector<Trial> trials = madeTrials(options);
   for (const fs::path& log : logs) {
+    if (!wants(options, Sweep::Surfels)) break;
     results.inputs.emplace_back(log.filename().string(), hashOfFile(log));
     // Last: the tables of dense samplings stay in memory.
     addSurfelTrials(log, options, execution, trials);

@@ -33,6 +33,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -44,22 +45,6 @@ namespace restroke::experiments {
 inline constexpr std::size_t kPaperPrimitives = 3426, kPaperSurfels = 280'000;
 inline constexpr double kPaperFrame = 1000.0 / 60;  ///< milliseconds
 
-/// What changes the result.
-struct ScalingOptions {
-  std::size_t most = 1'000'000;  ///< primitives of the largest list
-  /// That the densities of the sampling are chosen for. The paper's size is among them.
-  std::vector<std::size_t> surfels{10'000, 100'000, kPaperSurfels, 1'000'000, 10'000'000, 100'000'000};
-  std::size_t crowd = 100'000;            ///< primitives on the cap
-  std::size_t spreadPrimitives = 10'000;  ///< of the list with many radii
-  MeasureOptions measure = {};
-  std::uint64_t seed = 1;  ///< of all strokes
-  bool smoke = false;
-};
-/// Seconds instead of minutes: lists up to 10,000 primitives, 100,000 surfels, small pictures.
-[[nodiscard]] ScalingOptions smokeSize(ScalingOptions options);
-/// The options as canonical text; its hash is in every row.
-[[nodiscard]] std::string describe(const ScalingOptions& options);
-
 enum class Sweep : std::uint8_t { Extent, Detail, Surfels, Crowding, Spread };
 inline constexpr Sweep kSweeps[] = {Sweep::Extent, Sweep::Detail, Sweep::Surfels, Sweep::Crowding,
                                     Sweep::Spread};
@@ -70,6 +55,25 @@ struct SweepInfo {
   const char* title;
 };
 [[nodiscard]] const SweepInfo& infoOf(Sweep sweep);
+
+/// What changes the result.
+struct ScalingOptions {
+  std::vector<Sweep> sweeps{std::begin(kSweeps), std::end(kSweeps)};  ///< that are measured
+  std::size_t most = 1'000'000;                                       ///< primitives of the largest list
+  /// That the densities of the sampling are chosen for. The paper's size is among them.
+  /// The shipped list ends at 80 million, where its base has as many samples as a primitive may have.
+  std::vector<std::size_t> surfels{10'000,     100'000,    kPaperSurfels, 1'000'000,
+                                   10'000'000, 80'000'000, 100'000'000};
+  std::size_t crowd = 100'000;            ///< primitives on the cap
+  std::size_t spreadPrimitives = 10'000;  ///< of the list with many radii
+  MeasureOptions measure = {};
+  std::uint64_t seed = 1;  ///< of all strokes
+  bool smoke = false;
+};
+/// Seconds instead of minutes: lists up to 10,000 primitives, 100,000 surfels, small pictures.
+[[nodiscard]] ScalingOptions smokeSize(ScalingOptions options);
+/// The options as canonical text; its hash is in every row.
+[[nodiscard]] std::string describe(const ScalingOptions& options);
 
 struct ScalingRow {
   Sweep sweep = Sweep::Extent;

@@ -62,6 +62,6 @@ struct Measured {
                                const Execution& execution);
 
 /// Bytes that drawing takes for each surfel, about: itself, and its disc on the screen.
-inline constexpr std::size_t kDrawingBytes = 160;
+inline constexpr std::size_t kDrawingBytes = 130;
 
 }  // namespace restroke::experiments

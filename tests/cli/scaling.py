@@ -52,10 +52,17 @@ class Scaling(unittest.TestCase):
         for name in ("manifest.json", "report.html", "scaling-primitives.png", "scaling-primitives.svg"):
             self.assertIn(name, told["files"])
 
+    def test_one_sweep_alone(self):
+        out = self.path("out")
+        done = self.scaling("--smoke", "--out", out, "--sweep", "extent", "--most", "1000", "--json", "-")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(json.loads(done.stdout)["rows"], 1)
+
     def test_bad_input_is_one_sentence(self):
         out = self.path("out")
         self.refused("--smoke", says="--out")
         self.refused("--smoke", "--out", out, "--most", "10", says="--most")
+        self.refused("--smoke", "--out", out, "--sweep", "sideways", says="--sweep")
         self.refused("--smoke", "--out", out, "--most-surfels", "x", says="--most-surfels")
         self.refused("--smoke", "--out", out, self.path("absent.log"), says="absent.log")
         with open(self.path("bare.stamps"), "w", encoding="utf-8") as file:
