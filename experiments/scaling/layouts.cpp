@@ -133,7 +133,7 @@ Layout extentLayout(std::size_t primitives, std::uint64_t seed) {
   Layout layout;
   layout.density = kDensity;
   layout.view = {0, 0.8f, -1};
-  if (pebbles > 3) layout.fill = 1.25f;  // a tray is flat: its sphere stands over it
+  if (pebbles > 3) layout.fill = 1.45f;  // a tray is flat: its sphere stands over it
   layout.strokes = strokesFor(primitives);
   layout.bases.reserve(pebbles);
   for (std::size_t i = 0; i < pebbles; ++i)

@@ -30,6 +30,11 @@ std::string valueText(const ScalingRow& row) {
                                       : grouped(static_cast<std::uint64_t>(std::llround(row.value)));
 }
 
+/// Where what was asked for is among the columns too.
+const char* valueTitle(Sweep sweep) {
+  return sweep == Sweep::Crowding || sweep == Sweep::Spread ? infoOf(sweep).parameter : "asked for";
+}
+
 struct Column {
   const char* title;
   std::string (*text)(const ScalingRow& row);
@@ -112,8 +117,7 @@ std::string growthTable(const ScalingResults& results, Sweep sweep) {
 }
 
 std::string sweepTable(const std::vector<const ScalingRow*>& rows) {
-  std::string html =
-      fmt::format("<div class=wide><table>\n<tr><th>{}</th>", infoOf(rows.front()->sweep).parameter);
+  std::string html = fmt::format("<div class=wide><table>\n<tr><th>{}</th>", valueTitle(rows.front()->sweep));
   for (const Column& column : kColumns) html += fmt::format("<th>{}</th>", column.title);
   html += "</tr>\n";
   for (const ScalingRow* row : rows) {
@@ -252,7 +256,7 @@ std::string scalingTable(const ScalingResults& results) {
     for (const auto& rows : groupsOf(results, sweep)) {
       text += fmt::format("{}{}{}\n", infoOf(sweep).title, rows.front()->source.empty() ? "" : ", ",
                           rows.front()->source);
-      std::vector<std::vector<std::string>> lines{{infoOf(sweep).parameter}};
+      std::vector<std::vector<std::string>> lines{{valueTitle(sweep)}};
       for (const Column& column : kColumns) lines.front().emplace_back(column.title);
       for (const ScalingRow* row : rows) {
         std::vector<std::string> line{valueText(*row)};
