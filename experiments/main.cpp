@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <exception>
@@ -16,6 +17,8 @@
 #include "experiments/retarget.h"
 #include "experiments/retarget/report.h"
 #include "experiments/retarget/summary.h"
+#include "experiments/scaling.h"
+#include "experiments/scaling/report.h"
 #include "experiments/shipped.h"
 #include "implicit/atomic_file.h"
 #include "implicit/errors.h"
@@ -211,6 +214,79 @@ struct RetargetCommand {
   }
 };
 
+struct ScalingCommand {
+  Common common;
+  std::vector<std::string> logs;
+  std::string out;
+  bool smoke = false;
+  std::size_t mostSurfels = 100'000'000;
+  std::vector<std::string> sweeps;
+  ScalingOptions options;
+
+  void addTo(CLI::App& app) {
+    CLI::App* command =
+        app.add_subcommand("scaling", "how the cost of stamps, undo, rays and pictures grows");
+    command->add_option("logs", logs,
+                        "stroke logs or stamp lists that are sampled ever more densely; without any, the "
+                        "shipped list of the paper's size");
+    command
+        ->add_option("--out", out,
+                     "folder for results.csv, results.json, manifest.json, figures, pictures, report.html")
+        ->required();
+    command->add_flag("--smoke", smoke, "a small size that takes seconds");
+    command
+        ->add_option("--most", options.most,
+                     "primitives of the largest list, default 1,000,000; where memory allows 10,000,000")
+        ->check(CLI::Range(1000, 100'000'000))
+        ->type_name("N");
+    command->add_option("--most-surfels", mostSurfels, "surfels of the densest sampling, default 100,000,000")
+        ->check(CLI::Range(10'000, 1'000'000'000))
+        ->type_name("N");
+    command->add_option("--sweep", sweeps, "only this one; may be given several times; default all")
+        ->check(CLI::IsMember({"extent", "detail", "surfels", "crowding", "spread"}))
+        ->type_name("NAME");
+    command->add_option("--seed", options.seed, "of strokes and rays");
+    common.addTo(*command);
+    command->callback([this] { run(); });
+  }
+
+  void run() {
+    if (!sweeps.empty())
+      std::erase_if(options.sweeps, [this](Sweep sweep) {
+        return std::ranges::find(sweeps, infoOf(sweep).name) == sweeps.end();
+      });
+    std::erase_if(options.surfels, [this](std::size_t n) { return n > mostSurfels; });
+    const ScalingOptions sized = smoke ? smokeSize(options) : options;
+    std::vector<fs::path> files(logs.begin(), logs.end());
+    if (files.empty()) files = defaultScalingLogs();
+    // What is wrong with an input or an output is said before the work begins, and leaves nothing behind.
+    for (const fs::path& file : files) (void)listLayout(file);
+    common.begin();
+    makeFolder(out);
+    ScalingResults results;
+    {
+      ProgressLine line("scaling");
+      results = measureScaling(
+          files, sized, common.execution,
+          [&line](const std::string& what, std::size_t done, std::size_t all) { line(what, done, all); });
+    }
+    const std::vector<std::string> written = writeScaling(results, sized, out);
+
+    common.say(scalingTable(results));
+    nlohmann::ordered_json object = {
+        {"experiment", "scaling"}, {"out", out}, {"smoke", smoke}, {"files", written}};
+    object["rows"] = results.rows.size();
+    object["claims"] = nlohmann::ordered_json::array();
+    for (const ScalingClaim& claim : claims(results))
+      object["claims"].push_back({{"claim", claim.text},
+                                  {"measured", claim.measured},
+                                  {"holds", claim.holds ? nlohmann::ordered_json(*claim.holds) : nullptr}});
+    object["notes"] = results.notes;
+    common.say(fmt::format("report: {}\n", (fs::path(out) / "report.html").string()));
+    common.finish(object);
+  }
+};
+
 struct ExampleCommand {
   Common common;
   std::string name, out;
@@ -238,9 +314,11 @@ int runProgram(int argc, char** argv) {
   app.require_subcommand(1);
   MemoryCommand memory;
   RetargetCommand retarget;
+  ScalingCommand scaling;
   ExampleCommand example;
   memory.addTo(app);
   retarget.addTo(app);
+  scaling.addTo(app);
   example.addTo(app);
   try {
     app.parse(argc, argv);
