@@ -6,44 +6,6 @@
 
 namespace restroke::implicit {
 
-namespace {
-
-std::size_t hashOf(Cell c) {
-  std::uint64_t h = static_cast<std::uint32_t>(c.x) * 0x9E3779B97F4A7C15ull;
-  h = (h ^ (h >> 32) ^ static_cast<std::uint32_t>(c.y)) * 0xD6E8FEB86659FD93ull;
-  h = (h ^ (h >> 32) ^ static_cast<std::uint32_t>(c.z)) * 0xA0761D6478BD642Full;
-  return static_cast<std::size_t>(h ^ (h >> 32));
-}
-
-std::int32_t indexAlong(double x, double cell) {
-  // Clamped, which keeps the order of cells, and with it every list complete, even where an index would not
-  // fit.
-  const double i = x / cell;
-  if (i < -2e9) return -2'000'000'000;
-  if (i > 2e9) return 2'000'000'000;
-  const auto whole = static_cast<std::int32_t>(i);
-  return whole - (i < whole);  // floor, without a call to the library
-}
-
-}  // namespace
-
-Cell ClusterGrid::cellAt(DVec3 p) const {
-  const double cell = static_cast<double>(cell_);
-  return {indexAlong(p.x, cell), indexAlong(p.y, cell), indexAlong(p.z, cell)};
-}
-
-std::size_t ClusterGrid::find(Cell c) const {
-  const std::size_t mask = entries_.size() - 1;
-  std::size_t i = hashOf(c) & mask;
-  while (entries_[i].list != Lists::kNone && entries_[i].cell != c) i = (i + 1) & mask;
-  return i;
-}
-
-std::span<const std::uint32_t> ClusterGrid::at(Cell c) const {
-  if (entries_.empty()) return {};
-  return listOf(entries_[find(c)]);
-}
-
 void ClusterGrid::grow() {
   std::vector<Entry> old(entries_.empty() ? 64 : entries_.size() * 2);
   old.swap(entries_);

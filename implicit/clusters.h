@@ -40,9 +40,15 @@ class ClusterGrid {
   ClusterGrid(float cell, Lists& lists) : cell_(cell), lists_(&lists) {}
 
   [[nodiscard]] float cell() const { return cell_; }
-  [[nodiscard]] Cell cellAt(DVec3 p) const;
+  [[nodiscard]] Cell cellAt(DVec3 p) const {
+    const double cell = static_cast<double>(cell_);
+    return {indexAlong(p.x, cell), indexAlong(p.y, cell), indexAlong(p.z, cell)};
+  }
   /// The list of a cell; empty when nothing touches it. O(1).
-  [[nodiscard]] std::span<const std::uint32_t> at(Cell c) const;
+  [[nodiscard]] std::span<const std::uint32_t> at(Cell c) const {
+    if (entries_.empty()) return {};
+    return listOf(entries_[find(c)]);
+  }
   /// Calls f(list) for the list of every cell from `low` to `high`: by looking each cell up, or by going
   /// through the cells that were ever used, whichever are fewer. Where `decisive` is given, crowded cells
   /// answer with the lists of their leaves that meet it (CrowdedCell).
@@ -82,7 +88,29 @@ class ClusterGrid {
     std::uint32_t crowd = kNoCrowd;     // in crowds_
   };
   static constexpr std::uint32_t kNoCrowd = ~0u;
-  [[nodiscard]] std::size_t find(Cell c) const;
+  // Clamped, which keeps the order of cells, and with it every list complete, even where an index would not
+  // fit.
+  [[nodiscard]] static std::int32_t indexAlong(double x, double cell) {
+    const double i = x / cell;
+    if (i < -2e9) return -2'000'000'000;
+    if (i > 2e9) return 2'000'000'000;
+    const auto whole = static_cast<std::int32_t>(i);
+    return whole - (i < whole);  // floor, without a call to the library
+  }
+  // Three products that do not wait for each other.
+  [[nodiscard]] static std::size_t hashOf(Cell c) {
+    const std::uint64_t h = static_cast<std::uint32_t>(c.x) * 0x9E3779B97F4A7C15ull ^
+                            static_cast<std::uint32_t>(c.y) * 0xD6E8FEB86659FD93ull ^
+                            static_cast<std::uint32_t>(c.z) * 0xA0761D6478BD642Full;
+    return static_cast<std::size_t>(h ^ (h >> 32));
+  }
+  // Where the cell's entry is, or would be.
+  [[nodiscard]] std::size_t find(Cell c) const {
+    const std::size_t mask = entries_.size() - 1;
+    std::size_t i = hashOf(c) & mask;
+    while (entries_[i].list != Lists::kNone && entries_[i].cell != c) i = (i + 1) & mask;
+    return i;
+  }
   [[nodiscard]] std::span<const std::uint32_t> listOf(const Entry& e) const {
     return e.count == 0 ? std::span<const std::uint32_t>()
                         : std::span<const std::uint32_t>(lists_->at(e.list), e.count);

@@ -293,7 +293,7 @@ class Cast {
       return;
     }
     aim(along);
-    const float* balls = &list_.balls().data()->x;
+    const float* balls = &list_.balls().data()->center.x;
     bool covered = false;
     while (!slots.empty() && !covered) {
       const std::size_t n = std::min(slots.size(), RayBatch::kSize);
@@ -306,7 +306,7 @@ class Cast {
 
   [[gnu::noinline]] void collectAll(const ClusterGrid& grid, RayInterval along, Intervals& out) {
     aim(along);
-    const float* balls = &list_.balls().data()->x;
+    const float* balls = &list_.balls().data()->center.x;
     std::vector<std::uint32_t>& near = s_.near;
     near.clear();
     constexpr std::int32_t kFar = 2'100'000'000;  // beyond any cell
@@ -343,7 +343,7 @@ class Cast {
       bits ^= std::uint64_t{1} << top;
       const std::uint32_t slot = slots[static_cast<std::size_t>(top)];
       if (cuts_ && !inPrefix(slot)) continue;
-      const Sphere& ball = list_[PrimitiveId{slot}].shape.ball();
+      const Sphere& ball = list_.balls()[slot];
       met[n] = slot;
       batch.x[n] = static_cast<double>(ball.center.x);
       batch.y[n] = static_cast<double>(ball.center.y);
@@ -355,14 +355,14 @@ class Cast {
     Interval* to = out.room(n);
     bool covered = false;
     for (std::size_t i = 0; i < n && !covered; ++i) {
-      const Primitive& p = list_[PrimitiveId{met[i]}];
-      *to = {batch.enter[i], batch.exit[i], met[i], p.sign == Sign::Positive};
-      if (p.shape.isSphere()) {
+      *to = {batch.enter[i], batch.exit[i], met[i], list_.isPositive(met[i])};
+      const PosedVolume* volume = list_.volumeIn(met[i]);
+      if (!volume) {
         covered = holdsAll(*to, along);
         to += meets(*to, along) ? 1 : 0;
       } else if (to->enter <= to->exit) {  // the line meets the ball around it
         out.endAt(to);
-        covered = addVolume(*p.shape.volume(), *to, along, out);
+        covered = addVolume(*volume, *to, along, out);
         to = out.room(n - i);
       }
     }
@@ -372,11 +372,10 @@ class Cast {
 
   // The same for one.
   bool intersectOne(std::uint32_t slot, RayInterval along, Intervals& out) {
-    const Primitive& p = list_[PrimitiveId{slot}];
-    const std::optional<RayInterval> in = intersect(p.shape.ball(), ray_);
+    const std::optional<RayInterval> in = intersect(list_.balls()[slot], ray_);
     if (!in) return false;
-    const Interval interval{in->enter, in->exit, slot, p.sign == Sign::Positive};
-    if (!p.shape.isSphere()) return addVolume(*p.shape.volume(), interval, along, out);
+    const Interval interval{in->enter, in->exit, slot, list_.isPositive(slot)};
+    if (const PosedVolume* volume = list_.volumeIn(slot)) return addVolume(*volume, interval, along, out);
     return append(interval, along, out);
   }
 

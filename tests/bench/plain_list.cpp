@@ -79,7 +79,7 @@ void PlainList::evaluate(std::size_t i) {
   columns_[kX][i] = implicit::kNowhere;
   const int top = shape.tree->levels - 1;
   for (std::uint32_t node = 0; node < shape.tree->level[top].count; ++node)
-    implicit::ballKernels().evaluateNode(shape, top, node, arrays(i), samples_[i].visible.data());
+    (void)implicit::ballKernels().evaluateNode(shape, top, node, arrays(i), samples_[i].visible.data());
   columns_[kX][i] = list_[i].shape.ball().center.x;
 }
 
@@ -117,9 +117,12 @@ void PlainList::remove(std::size_t first, std::size_t count) {
     const std::size_t n = brushKernels().ballsMeeting(columns(), sphere, found_.data());
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t i = found_[k];
-      patches_.resize(std::max(patches_.size(), samples_[i].visible.size()));
-      const std::size_t m = implicit::ballKernels().touchedPatches(shapeOf(i), ball, patches_.data());
-      for (std::size_t j = 0; j < m; ++j) touched.push_back(std::uint64_t{i} << 32 | patches_[j]);
+      blocks_.assign((samples_[i].visible.size() + kPatch - 1) / kPatch, 0);
+      implicit::ballKernels().touchedPatches(shapeOf(i), ball, blocks_.data());
+      for (std::size_t b = 0; b < blocks_.size(); ++b)
+        for (std::uint32_t bits = blocks_[b]; bits != 0; bits &= bits - 1)
+          touched.push_back(std::uint64_t{i} << 32 |
+                            (b * kPatch + static_cast<std::size_t>(std::countr_zero(bits))));
     }
   }
   std::sort(touched.begin(), touched.end());
@@ -130,7 +133,7 @@ void PlainList::remove(std::size_t first, std::size_t count) {
     columns_[kX][i] = implicit::kNowhere;
     for (; k < touched.size() && touched[k] >> 32 == i; ++k) {
       const auto patch = static_cast<std::uint32_t>(touched[k]);
-      implicit::ballKernels().evaluatePatches(shape, &patch, 1, arrays(i), &samples_[i].visible[patch]);
+      (void)implicit::ballKernels().evaluatePatches(shape, {&patch, 1}, arrays(i), samples_[i].visible.data());
     }
     columns_[kX][i] = list_[i].shape.ball().center.x;
   }
