@@ -152,6 +152,10 @@ std::size_t Clusters::finestInUse() const {
   return kFinerGrids;
 }
 
+bool Clusters::crowded() const {
+  return std::any_of(grids_.begin(), grids_.end(), [](const ClusterGrid& grid) { return grid.crowded(); });
+}
+
 std::size_t Clusters::bytes() const {
   std::size_t bytes = grids_.capacity() * sizeof(ClusterGrid) + sizeof(*lists_) + lists_->bytes();
   for (const ClusterGrid& grid : grids_) bytes += grid.bytes();

@@ -70,6 +70,8 @@ class ClusterGrid {
   }
   /// Cells that were ever used: going through them all costs about as much as looking up so many.
   [[nodiscard]] std::size_t usedCells() const { return usedEntries_; }
+  /// Whether any cell is crowded (CrowdedCell).
+  [[nodiscard]] bool crowded() const { return crowds_.size() > freeCrowds_.size(); }
   /// Number of primitives in this grid.
   [[nodiscard]] std::size_t size() const { return size_; }
   /// Box that holds all that was ever inserted since the grid was last empty.
@@ -189,6 +191,7 @@ class Clusters {
     }
   }
 
+  [[nodiscard]] bool crowded() const;
   [[nodiscard]] std::size_t bytes() const;
 
  private:

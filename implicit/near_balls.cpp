@@ -40,6 +40,34 @@ void NearBalls::growSeen() {
 
 void NearBalls::gather(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
                        const Place& own) {
+  shared_ = false;
+  collect(list, region, labelEnd, own.slot);
+  fill(list);
+  splitAt(own);
+}
+
+void NearBalls::gatherShared(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
+                             const Place& own) {
+  // So many that to gather them costs more than to test, for each patch, those that are only near its
+  // neighbours.
+  constexpr std::size_t kMany = 192;
+  const auto distance = [&] {
+    return length(Vec3(region.x - sharedRegion_.x, region.y - sharedRegion_.y, region.z - sharedRegion_.z));
+  };
+  if (!shared_ || !((distance() + region.reach) * 1.00001f <= sharedRegion_.reach)) {
+    gather(list, region, labelEnd, own);
+    if (found_.size() < kMany) return;
+    sharedRegion_ = region;
+    sharedRegion_.reach *= 1.75f;
+    collect(list, sharedRegion_, labelEnd, ~0u);
+    fill(list);
+    shared_ = true;
+  }
+  splitAt(own);
+}
+
+void NearBalls::collect(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
+                        std::uint32_t except) {
   found_.clear();
   round_ = (round_ + 1) & 0xFFFFFFFF;
   if (round_ == 0) {
@@ -71,18 +99,21 @@ void NearBalls::gather(const PrimitiveList& list, const DropBall& region, Primit
     const std::size_t met = kernels.meetingSlots(balls, slots, wide, meeting_.data());
     const std::size_t before = found_.size();
     for (std::size_t i = 0; i < met; ++i)
-      if (meeting_[i] != own.slot && isNew(meeting_[i])) found_.push_back({labels[meeting_[i]], meeting_[i]});
+      if (meeting_[i] != except && isNew(meeting_[i])) found_.push_back({labels[meeting_[i]], meeting_[i]});
     lists += found_.size() > before;
   });
   if (lists > 1)
     std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) { return a.label < b.label; });
-  fill(list, own);
 }
 
-void NearBalls::fill(const PrimitiveList& list, const Place& own) {
+void NearBalls::splitAt(const Place& own) {
   const auto later =
       std::partition_point(found_.begin(), found_.end(), [&](const Found& f) { return f.label < own.label; });
   earlier_ = static_cast<std::uint32_t>(later - found_.begin());
+  later_ = earlier_ + (later != found_.end() && later->slot == own.slot);
+}
+
+void NearBalls::fill(const PrimitiveList& list) {
   const std::size_t n = found_.size();
   stride_ = (n + kPatch) / kPatch * kPatch;
   if (floats_.size() < 6 * stride_) floats_.resize(12 * stride_);
@@ -134,7 +165,8 @@ BallArrays NearBalls::arrays() const {
           anyVolume_,
           positive_.data(),
           static_cast<std::uint32_t>(found_.size()),
-          earlier_};
+          earlier_,
+          later_};
 }
 
 }  // namespace restroke::implicit

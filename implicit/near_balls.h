@@ -27,6 +27,14 @@ class NearBalls {
     gather(list, region, labelEnd, {});
   }
 
+  /// The same, but where very many are near, what was gathered for one primitive's samples serves the next
+  /// one's too, if these lie in the same place: ask in spatial order. It collects the own one as well, which
+  /// arrays() leaves out, and more than meet the sphere. Call forget() when the list has changed, or for
+  /// another prefix.
+  void gatherShared(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
+                    const Place& own);
+  void forget() { shared_ = false; }
+
   [[nodiscard]] BallArrays arrays() const;
   [[nodiscard]] std::size_t size() const { return found_.size(); }
   /// Bytes held, from the containers' real capacity.
@@ -41,7 +49,10 @@ class NearBalls {
   };
   [[nodiscard]] bool isNew(std::uint32_t slot);
   void growSeen();
-  void fill(const PrimitiveList& list, const Place& own);
+  void collect(const PrimitiveList& list, const DropBall& region, PrimitiveList::Label labelEnd,
+               std::uint32_t except);
+  void fill(const PrimitiveList& list);
+  void splitAt(const Place& own);
 
   std::vector<std::uint32_t> meeting_;  // of one cell
   std::vector<Found> found_;
@@ -54,7 +65,9 @@ class NearBalls {
   bool anyVolume_ = false;
   std::vector<std::uint8_t> positive_;
   std::size_t stride_ = 0;
-  std::uint32_t earlier_ = 0;
+  std::uint32_t earlier_ = 0, later_ = 0;
+  bool shared_ = false;      // gatherShared may use what is here
+  DropBall sharedRegion_{};  // for what lies in this sphere
 };
 
 /// What drops the older samples inside a primitive, with the reach of all its tests.

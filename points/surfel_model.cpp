@@ -8,6 +8,7 @@
 #include "points/surfel_model.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -15,6 +16,7 @@
 #include <numeric>
 
 #include "implicit/errors.h"
+#include "implicit/geometry/morton.h"
 #include "implicit/parallel.h"
 #include "implicit/shapes/sphere_samples.h"
 
@@ -75,6 +77,23 @@ NearBalls::Place SurfelModel::placeOf(std::uint32_t slot) const {
 
 DropBall SurfelModel::regionIn(std::uint32_t slot) const {
   return implicit::regionOf(list_[PrimitiveId{slot}].shape);
+}
+
+template <class F>
+void SurfelModel::forEach(std::size_t count, const Execution& execution, const F& f) const {
+  const std::size_t grain = list_.clusters().crowded() ? 64 : 8;  // long enough to wake a thread for
+  if (execution.threads == 1 || count < 2 * grain) {
+    NearBalls near;
+    for (std::size_t i = 0; i < count; ++i) f(i, near);
+    return;
+  }
+  tbb::enumerable_thread_specific<NearBalls> nears;
+  inArena(execution, [&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
+      NearBalls& near = nears.local();
+      for (std::size_t i = range.begin(); i < range.end(); ++i) f(i, near);
+    });
+  });
 }
 
 void SurfelModel::append(std::span<const Primitive> primitives, const Execution& execution) {
@@ -302,13 +321,32 @@ std::ptrdiff_t SurfelModel::evaluateTouch(const Edits& edits, const Touch& touch
   if (n == 0) return 0;
   const DropBall region =
       whole ? regionIn(touch.slot) : implicit::regionOfNode(shape, 1, touch.block);
-  near.gather(list_, region, kWholeList, placeOf(touch.slot));
+  near.gatherShared(list_, region, kWholeList, placeOf(touch.slot));
   return implicit::ballKernels().evaluatePatches(shape, {patches, n}, near.arrays(), masksIn(touch.slot));
+}
+
+// Where very many primitives lie in one place, what is near is gathered for several at once
+// (NearBalls::gatherShared), if they follow each other.
+template <class Work>
+void SurfelModel::orderInSpace(std::vector<Work>& work) const {
+  if (!list_.clusters().crowded()) return;
+  const float cell = list_.clusters().grids()[list_.clusters().finestInUse()].cell() * 0.03125f;
+  std::vector<std::pair<std::uint64_t, std::size_t>> order;
+  for (const Work& w : work) {
+    const Point c = list_.balls()[w.slot].center;
+    order.emplace_back(implicit::mortonCode(c * (1 / cell)), order.size());
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<Work> sorted;
+  sorted.reserve(work.size());
+  for (const auto& [code, i] : order) sorted.push_back(work[i]);
+  work = std::move(sorted);
 }
 
 void SurfelModel::evaluateTouched(Edits& edits, const Execution& execution) {
   std::sort(edits.touched.begin(), edits.touched.end());
-  const std::vector<Touch> touches = touchesOf(edits);
+  std::vector<Touch> touches = touchesOf(edits);
+  orderInSpace(touches);
   std::vector<std::ptrdiff_t> grown(touches.size());
   forEach(touches.size(), execution,
           [&](std::size_t i, NearBalls& near) { grown[i] = evaluateTouch(edits, touches[i], near); });
@@ -316,21 +354,6 @@ void SurfelModel::evaluateTouched(Edits& edits, const Execution& execution) {
     samples_[touches[i].slot].visible += static_cast<std::uint32_t>(grown[i]);
     surfelCount_ += static_cast<std::size_t>(grown[i]);
   }
-}
-
-template <class F>
-void SurfelModel::forEach(std::size_t count, const Execution& execution, const F& f) {
-  constexpr std::size_t kGrain = 8;  // what fewer than a few of them cost is less than waking a thread
-  if (execution.threads == 1 || count < 2 * kGrain) {
-    for (std::size_t i = 0; i < count; ++i) f(i, near_);
-    return;
-  }
-  inArena(execution, [&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
-      thread_local NearBalls near;
-      for (std::size_t i = range.begin(); i < range.end(); ++i) f(i, near);
-    });
-  });
 }
 
 std::vector<SurfelModel::Run> SurfelModel::runsOf(std::size_t first, std::size_t last) const {
@@ -346,6 +369,7 @@ std::vector<SurfelModel::Run> SurfelModel::runsOf(std::size_t first, std::size_t
         runs.push_back({slot, 1, node, false});
     }
   }
+  orderInSpace(runs);
   return runs;
 }
 
@@ -353,12 +377,11 @@ void SurfelModel::evaluate(std::span<Run> runs, std::span<std::uint16_t* const> 
                            const Execution& execution) const {
   const PrimitiveList::Label end = list_.labelEnd(prefix);
   const implicit::BallKernels& kernels = implicit::ballKernels();
-  const auto evaluateRun = [&](Run& run) {
-    thread_local NearBalls near;
+  const auto evaluateRun = [&](Run& run, NearBalls& near) {
     const SampledShape shape = shapeIn(run.slot);
     const DropBall region =
         run.whole ? regionIn(run.slot) : implicit::regionOfNode(shape, run.level, run.node);
-    near.gather(list_, region, end, placeOf(run.slot));
+    near.gatherShared(list_, region, end, placeOf(run.slot));
     const std::uint32_t first = run.whole ? 0 : run.node;
     const std::uint32_t last = run.whole ? shape.tree->level[run.level].count : run.node + 1;
     std::size_t visible = 0;
@@ -366,16 +389,7 @@ void SurfelModel::evaluate(std::span<Run> runs, std::span<std::uint16_t* const> 
       visible += kernels.evaluateNode(shape, run.level, node, near.arrays(), masks[run.slot]);
     run.visible = static_cast<std::uint32_t>(visible);
   };
-  constexpr std::size_t kGrain = 16;
-  if (execution.threads == 1 || runs.size() < 2 * kGrain) {
-    for (Run& run : runs) evaluateRun(run);
-    return;
-  }
-  inArena(execution, [&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, runs.size(), kGrain), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) evaluateRun(runs[i]);
-    });
-  });
+  forEach(runs.size(), execution, [&](std::size_t i, NearBalls& near) { evaluateRun(runs[i], near); });
 }
 
 void SurfelModel::take(std::span<const Run> runs) {

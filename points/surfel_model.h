@@ -105,7 +105,9 @@ class SurfelModel {
   void take(std::span<const Run> runs);
   /// Calls f(i, near) for i from 0 to count - 1, on the execution's threads.
   template <class F>
-  void forEach(std::size_t count, const Execution& execution, const F& f);
+  void forEach(std::size_t count, const Execution& execution, const F& f) const;
+  template <class Work>
+  void orderInSpace(std::vector<Work>& work) const;
   [[nodiscard]] MasksBySlot masksBySlot() const;
   [[nodiscard]] std::vector<Run> runsOf(std::size_t first, std::size_t last) const;
   [[nodiscard]] std::vector<Surfel> expand(const MasksBySlot& masks, std::size_t primitives,

@@ -40,8 +40,8 @@ struct BallArrays {
   bool anyVolume;                      ///< is `volume` anywhere not null?
   const std::uint8_t* positive;        ///< 1 adds, 0 carves
   std::uint32_t count;                 ///< without the padding
-  std::uint32_t earlier;  ///< the first `earlier` of them stand before the sampled primitive in the list, the
-                          ///< rest after it
+  std::uint32_t earlier;  ///< the first `earlier` of them stand before the sampled primitive in the list
+  std::uint32_t later;    ///< from here on they stand after it; one that is between is itself, and not asked
 };
 inline constexpr float kNowhere = 1e30f;
 
