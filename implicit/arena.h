@@ -75,7 +75,8 @@ class Arena {
   [[nodiscard]] Handle newBlocks(std::uint32_t count) {
     const auto first = static_cast<Handle>(starts_.size());
     blocks_.push_back(std::make_unique_for_overwrite<T[]>(std::size_t{count} * kBlock));
-    for (std::uint32_t i = 0; i < count; ++i) starts_.push_back(blocks_.back().get() + std::size_t{i} * kBlock);
+    for (std::uint32_t i = 0; i < count; ++i)
+      starts_.push_back(blocks_.back().get() + std::size_t{i} * kBlock);
     return first * kBlock;
   }
 

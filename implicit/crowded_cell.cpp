@@ -116,7 +116,9 @@ void CrowdedCell::insertIn(std::uint32_t node, const Box& box, std::uint32_t slo
     return;
   }
   Node& leaf = nodes_[node];
-  const auto earlier = [&](std::uint32_t a, std::uint32_t b) { return members.labels[a] < members.labels[b]; };
+  const auto earlier = [&](std::uint32_t a, std::uint32_t b) {
+    return members.labels[a] < members.labels[b];
+  };
   auto place = std::upper_bound(leaf.slots.begin(), leaf.slots.end(), slot, earlier);
   if (place == leaf.slots.begin() && leaf.covered) return;
   if (covers(slot, box, members)) {
@@ -134,9 +136,8 @@ void CrowdedCell::insertIn(std::uint32_t node, const Box& box, std::uint32_t slo
 void CrowdedCell::remove(std::uint32_t slot, std::span<const std::uint32_t> slots,
                          const ClusterMembers& members) {
   --members_;
-  const auto end = std::partition_point(slots.begin(), slots.end(), [&](std::uint32_t s) {
-    return members.labels[s] < members.labels[slot];
-  });
+  const auto end = std::partition_point(
+      slots.begin(), slots.end(), [&](std::uint32_t s) { return members.labels[s] < members.labels[slot]; });
   removeIn(0, box_, {slot, slots.first(static_cast<std::size_t>(end - slots.begin())), members});
 }
 

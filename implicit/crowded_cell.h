@@ -18,9 +18,9 @@ struct ClusterMembers {
   std::span<const std::uint8_t> isSphere;  ///< not 0: the ball is all of it
 };
 
-/// Cuts a cell into eighths, and those again, where many primitives meet. A leaf lists the last primitive that
-/// covers all of it and those after that which touch it: of a point in the leaf no earlier one decides the
-/// side, and no earlier one has a visible sample in it. So the lists stay short however often a place is
+/// Cuts a cell into eighths, and those again, where many primitives meet. A leaf lists the last primitive
+/// that covers all of it and those after that which touch it: of a point in the leaf no earlier one decides
+/// the side, and no earlier one has a visible sample in it. So the lists stay short however often a place is
 /// stamped. They serve the whole list; for a prefix, ask the cell's own list.
 class CrowdedCell {
  public:
@@ -72,7 +72,7 @@ class CrowdedCell {
   void split(std::uint32_t node, const Box& box, const ClusterMembers& members);
 
   Box box_;
-  float pad_;  // added to boxes: more than rounding can move a sample or a verdict
+  float pad_;               // added to boxes: more than rounding can move a sample or a verdict
   std::size_t members_;     // primitives in the cell
   std::size_t listed_ = 0;  // entries of all leaves
   std::vector<Node> nodes_;

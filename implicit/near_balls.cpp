@@ -77,7 +77,8 @@ void NearBalls::collect(const PrimitiveList& list, const DropBall& region, Primi
   const Vec3 half(region.reach);
   const Point center(region.x, region.y, region.z);
   const std::span<const PrimitiveList::Label> labels = list.labels();
-  static_assert(sizeof(PackedBall) == sizeof(Sphere) && offsetof(Sphere, radius) == offsetof(PackedBall, radius));
+  static_assert(sizeof(PackedBall) == sizeof(Sphere) &&
+                offsetof(Sphere, radius) == offsetof(PackedBall, radius));
   const auto* balls = reinterpret_cast<const PackedBall*>(list.balls().data());
   const BallKernels& kernels = ballKernels();
   // Of spheres the tests reach a little beyond the ball: by 2^-17 of the greatest coordinate, which is at
@@ -89,19 +90,21 @@ void NearBalls::collect(const PrimitiveList& list, const DropBall& region, Primi
   std::size_t lists = 0;
   const bool wholeList = labelEnd == std::numeric_limits<PrimitiveList::Label>::max();
   const auto wanted = wholeList ? Clusters::Wanted::Decisive : Clusters::Wanted::All;
-  list.clusters().forListsIn({center - half, center + half}, wanted, [&](std::span<const std::uint32_t> slots) {
-    if (labels[slots.back()] >= labelEnd)
-      slots = slots.first(static_cast<std::size_t>(
-          std::partition_point(slots.begin(), slots.end(),
-                               [&](std::uint32_t slot) { return labels[slot] < labelEnd; }) -
-          slots.begin()));
-    if (meeting_.size() < slots.size()) meeting_.resize(2 * slots.size());
-    const std::size_t met = kernels.meetingSlots(balls, slots, wide, meeting_.data());
-    const std::size_t before = found_.size();
-    for (std::size_t i = 0; i < met; ++i)
-      if (meeting_[i] != except && isNew(meeting_[i])) found_.push_back({labels[meeting_[i]], meeting_[i]});
-    lists += found_.size() > before;
-  });
+  list.clusters().forListsIn(
+      {center - half, center + half}, wanted, [&](std::span<const std::uint32_t> slots) {
+        if (labels[slots.back()] >= labelEnd)
+          slots = slots.first(static_cast<std::size_t>(
+              std::partition_point(slots.begin(), slots.end(),
+                                   [&](std::uint32_t slot) { return labels[slot] < labelEnd; }) -
+              slots.begin()));
+        if (meeting_.size() < slots.size()) meeting_.resize(2 * slots.size());
+        const std::size_t met = kernels.meetingSlots(balls, slots, wide, meeting_.data());
+        const std::size_t before = found_.size();
+        for (std::size_t i = 0; i < met; ++i)
+          if (meeting_[i] != except && isNew(meeting_[i]))
+            found_.push_back({labels[meeting_[i]], meeting_[i]});
+        lists += found_.size() > before;
+      });
   if (lists > 1)
     std::sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) { return a.label < b.label; });
 }
@@ -123,8 +126,8 @@ void NearBalls::fill(const PrimitiveList& list) {
   }
   const std::span<const Sphere> balls = list.balls();
   float* const x = floats_.data();
-  float *const y = x + stride_, *const z = y + stride_, *const reach = z + stride_, *const r2 = reach + stride_,
-               *const r2Drop = r2 + stride_;
+  float *const y = x + stride_, *const z = y + stride_, *const reach = z + stride_,
+               *const r2 = reach + stride_, *const r2Drop = r2 + stride_;
   anyVolume_ = false;
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t slot = found_[i].slot;
@@ -148,9 +151,9 @@ void NearBalls::fill(const PrimitiveList& list) {
 }
 
 std::size_t NearBalls::bytes() const {
-  return found_.capacity() * sizeof(Found) + meeting_.capacity() * sizeof(std::uint32_t) + seen_.capacity() * sizeof(std::uint64_t) +
-         floats_.capacity() * sizeof(float) + positive_.capacity() +
-         volumes_.capacity() * sizeof(const GriddedVolume*);
+  return found_.capacity() * sizeof(Found) + meeting_.capacity() * sizeof(std::uint32_t) +
+         seen_.capacity() * sizeof(std::uint64_t) + floats_.capacity() * sizeof(float) +
+         positive_.capacity() + volumes_.capacity() * sizeof(const GriddedVolume*);
 }
 
 BallArrays NearBalls::arrays() const {

@@ -158,8 +158,7 @@ std::size_t PrimitiveList::bytes() const {
     }
   std::size_t bytes = posed.size() * sizeof(PosedVolume);
   for (const Volume* volume : volumes) bytes += volume->bytes();
-  return bytes + balls_.capacity() * sizeof(Sphere) + positive_.capacity() +
-         isSphere_.capacity() +
+  return bytes + balls_.capacity() * sizeof(Sphere) + positive_.capacity() + isSphere_.capacity() +
          labels_.capacity() * sizeof(Label) + volumes_.capacity() * sizeof(volumes_[0]) +
          (free_.capacity() + order_.capacity()) * sizeof(std::uint32_t);
 }

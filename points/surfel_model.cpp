@@ -260,8 +260,8 @@ void SurfelModel::noteTouched(Edits& edits, const implicit::Shape& shape, Primit
 // Patches of one primitive that are evaluated with one look at what is near.
 struct SurfelModel::Touch {
   std::uint32_t slot = 0;
-  std::uint32_t block = kWhole;  // of 16 patches
-  std::uint16_t bits = 0;        // of the block's patches
+  std::uint32_t block = kWhole;     // of 16 patches
+  std::uint16_t bits = 0;           // of the block's patches
   std::size_t first = 0, last = 0;  // in Edits::touched
   static constexpr std::uint32_t kWhole = ~0u;
 };
@@ -286,8 +286,7 @@ std::vector<SurfelModel::Touch> SurfelModel::touchesOf(const Edits& edits) const
 void SurfelModel::touchBlocks(const Edits& edits, const Touch& touch, std::vector<Touch>& touches) const {
   const SampledShape shape = shapeIn(touch.slot);
   std::vector<std::uint16_t> bits((samples_[touch.slot].patches + kPatch - 1) / kPatch, 0);
-  for (std::size_t i = touch.first; i < touch.last; ++i)
-    markTouched(shape, edits, edits.touched[i], bits);
+  for (std::size_t i = touch.first; i < touch.last; ++i) markTouched(shape, edits, edits.touched[i], bits);
   for (std::uint32_t block = 0; block < bits.size(); ++block)
     if (bits[block] != 0) touches.push_back({.slot = touch.slot, .block = block, .bits = bits[block]});
 }
@@ -319,8 +318,7 @@ std::ptrdiff_t SurfelModel::evaluateTouch(const Edits& edits, const Touch& touch
       patches[n++] = (whole ? block : touch.block) * std::uint32_t{kPatch} +
                      static_cast<std::uint32_t>(std::countr_zero(rest));
   if (n == 0) return 0;
-  const DropBall region =
-      whole ? regionIn(touch.slot) : implicit::regionOfNode(shape, 1, touch.block);
+  const DropBall region = whole ? regionIn(touch.slot) : implicit::regionOfNode(shape, 1, touch.block);
   near.gatherShared(list_, region, kWholeList, placeOf(touch.slot));
   return implicit::ballKernels().evaluatePatches(shape, {patches, n}, near.arrays(), masksIn(touch.slot));
 }

@@ -12,8 +12,8 @@ namespace restroke::implicit {
 
 /// The table of `count` unit directions: a spherical Fibonacci lattice (equal area per sample; Gonzalez,
 /// "Measurement of areas on a sphere using Fibonacci and latitude-longitude lattices", Mathematical
-/// Geosciences 42, 2010). Made at the first call and shared from then on, when it costs a look into an array. Thread-safe. `count` is a value of
-/// sampleCountFor.
+/// Geosciences 42, 2010). Made at the first call and shared from then on, when it costs a look into an array.
+/// Thread-safe. `count` is a value of sampleCountFor.
 [[nodiscard]] const SampleTable& sphereSamples(std::uint32_t count);
 
 /// Bytes of all sphere tables made so far.
