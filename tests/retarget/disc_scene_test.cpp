@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "implicit/volume_kinds.h"
 #include "retarget/methods/kept_discs.h"
@@ -181,19 +181,29 @@ TEST(DiscScene, BuildsAgainOnlyTheGroupsThatAStrokeTouches) {
 }
 
 TEST(DiscScene, FollowsVolumesThatAreNoSpheres) {
-  const auto torus = std::make_shared<const implicit::PosedVolume>(
-      implicit::volumeKindNamed("torus").make({.values = {{0.3f}, {0.1f}}}),
-      implicit::Pose{.position = {0, 0, 0.9f}});
+  const auto ring = [](std::array<float, 4> rotation) {
+    return std::make_shared<const implicit::PosedVolume>(
+        implicit::volumeKindNamed("torus").make({.values = {{0.3f}, {0.1f}}}),
+        implicit::Pose{.position = {0, 0, 1.1f}, .rotation = rotation});
+  };
   points::SurfelModel model = bumpyModel(3000);
   DiscScene scene;
   scene.update(model);
-  for (const Sign sign : {Sign::Positive, Sign::Negative}) {
-    const Primitive primitive{torus, sign};
-    model.insert(3, {&primitive, 1});
+  // The second takes the slot of the first and has the same ball.
+  for (const auto& volume : {ring({0, 0, 0, 1}), ring({0.6f, 0, 0, 0.8f})})
+    for (const Sign sign : {Sign::Positive, Sign::Negative}) {
+      const Primitive primitive{volume, sign};
+      model.insert(3, {&primitive, 1});
+      expectAsFromNothing(scene, model, {});
+      model.remove(3, 1);
+    }
+  const Primitive before{ring({0, 0, 0, 1}), Sign::Positive}, after{ring({0.6f, 0, 0, 0.8f}), Sign::Positive};
+  EXPECT_EQ(before.shape.ball(), after.shape.ball());
+  for (const Primitive& primitive : {before, after}) {
+    model.append({&primitive, 1});
     expectAsFromNothing(scene, model, {});
-    model.remove(3, 1);
+    model.remove(model.list().size() - 1, 1);
   }
-  expectAsFromNothing(scene, model, {});
 }
 
 TEST(DiscScene, OfNothingMeetsNoRay) {
