@@ -13,7 +13,8 @@ namespace restroke::retarget {
 /// Never changes which discs there are, only speed and memory.
 struct DiscSceneOptions {
   /// Side of a cell in radii of the shape's bounding sphere, finite and > 0. Smaller: less to build again
-  /// after a stroke, but more groups for a ray to pass and for the tree over them. 0.1 to 0.4 is flat.
+  /// after a stroke, but more groups, each of which costs a ray that enters it. 0.1 to 0.2 is flat for
+  /// updates, 0.1 to 0.4 for rays (README.md).
   double cell = 0.2;
 };
 
