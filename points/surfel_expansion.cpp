@@ -109,20 +109,13 @@ std::vector<Surfel> SurfelModel::surfels(const Execution& execution) const {
 std::vector<Surfel> SurfelModel::surfels(Prefix prefix, const Execution& execution) const {
   if (prefix.count >= list_.size() && !edits_) return surfels(execution);
   prefix.count = std::min(prefix.count, list_.size());
-  std::vector<Run> runs = runsOf(0, prefix.count);
-  std::size_t patches = 0;
-  for (std::size_t i = 0; i < prefix.count; ++i)
-    patches += samples_[PrimitiveList::slotOf(list_.idAt(i))].patches;
-  std::vector<std::uint16_t> room(patches);
-  std::vector<std::uint16_t*> masks(samples_.size(), nullptr);
-  std::uint16_t* next = room.data();
-  for (std::size_t i = 0; i < prefix.count; ++i) {
-    const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
-    masks[slot] = next;
-    next += samples_[slot].patches;
-  }
-  evaluate(runs, masks, prefix, execution);
+  std::vector<std::uint16_t> room;
+  const std::vector<std::uint16_t*> masks = evaluatePrefix(prefix, room, execution);
   return expand({masks.begin(), masks.end()}, prefix.count, execution);
+}
+
+float SurfelModel::discRadiusOf(implicit::PrimitiveId id) const {
+  return discRadius(list_[id].shape, tableIn(PrimitiveList::slotOf(id)).count());
 }
 
 std::uint64_t SurfelModel::stateHash(const Execution& execution) const {

@@ -25,6 +25,13 @@ struct ModelBytes {
   [[nodiscard]] std::size_t total() const { return list + clusters + surfels + scratch; }
 };
 
+/// Which samples of the first primitives of a list are surfels.
+struct VisibleSamples {
+  /// By list position: bit k of the p-th says so of sample 16 p + k.
+  std::vector<std::span<const std::uint16_t>> of;
+  std::vector<std::uint16_t> room;  ///< what `of` refers to, where the model does not have it already
+};
+
 /// The list of primitives together with which samples of each are visible. Whatever the order of appends,
 /// insertions and removals that led to a list, the surfels are those of the list, bit for bit.
 class SurfelModel {
@@ -56,6 +63,16 @@ class SurfelModel {
   [[nodiscard]] std::vector<Surfel> surfels(const Execution& execution = {}) const;
   /// The surfels that a list of only the prefix would have, without changing anything.
   [[nodiscard]] std::vector<Surfel> surfels(implicit::Prefix prefix, const Execution& execution = {}) const;
+
+  /// What `surfels(prefix)` lays out, before it is laid out: for those who keep something of each primitive
+  /// and look for what has changed. Valid until the model changes. O(primitives) for the whole list, else as
+  /// surfels(prefix).
+  [[nodiscard]] VisibleSamples visibleSamples(implicit::Prefix prefix, const Execution& execution = {}) const;
+  /// The samples of a primitive as implicit::placedSample takes them, and the radius of its discs.
+  [[nodiscard]] implicit::SampledShape sampledShape(implicit::PrimitiveId id) const {
+    return shapeIn(implicit::PrimitiveList::slotOf(id));
+  }
+  [[nodiscard]] float discRadiusOf(implicit::PrimitiveId id) const;
 
   /// Hash of the density, of the list and of the position and normal of every visible sample: equal states,
   /// equal hashes, on every machine, thread count, instruction set and compiler.
@@ -109,6 +126,9 @@ class SurfelModel {
   template <class Work>
   void orderInSpace(std::vector<Work>& work) const;
   [[nodiscard]] MasksBySlot masksBySlot() const;
+  [[nodiscard]] std::vector<std::uint16_t*> evaluatePrefix(implicit::Prefix prefix,
+                                                           std::vector<std::uint16_t>& room,
+                                                           const Execution& execution) const;
   [[nodiscard]] std::vector<Run> runsOf(std::size_t first, std::size_t last) const;
   [[nodiscard]] std::vector<Surfel> expand(const MasksBySlot& masks, std::size_t primitives,
                                            const Execution& execution) const;

@@ -65,6 +65,7 @@ class Caster {
 
 struct Trail;
 class Owners;
+class KeptDiscs;
 
 /// What a method may know of the change since the stroke was first applied. All null: it is applied for the
 /// first time, and methods that follow a change cast as `exact` does.
@@ -75,7 +76,8 @@ struct Change {
   float scale = 1;                  ///< of `aligned`: how much the motion scales
 };
 
-/// What every method starts from. The model and what `change` points to must outlive the caster unchanged.
+/// What every method starts from. The model and what `change` points to must outlive the caster unchanged,
+/// `discs` must outlive it.
 struct CasterInput {
   const points::SurfelModel& model;
   /// The stroke's own camera; of `aligned`, the camera that the motion has moved (alignment.h).
@@ -83,11 +85,12 @@ struct CasterInput {
   implicit::Prefix prefix = {};
   Execution execution = {};
   Change change = {};
+  KeptDiscs* discs = nullptr;  ///< of `embree`: the scene kept from stroke to stroke; changes no result
 };
 
 /// A caster for the prefix of the model. Cost: `exact`, `fixed`, `mapped`, `surface`, `aligned` none; `depth`
-/// draws the shape once, `embree` builds a scene of the prefix's surfels, `nearest` a tree of them, and
-/// `surface` that tree at the first place that needs it.
+/// draws the shape once, `embree` builds a scene of the prefix's surfels, or of what has changed of it with
+/// CasterInput::discs, `nearest` a tree of them, and `surface` that tree at the first place that needs it.
 [[nodiscard]] std::unique_ptr<Caster> makeCaster(Method method, const CasterInput& input);
 /// The same for a method that only casts.
 [[nodiscard]] std::unique_ptr<Caster> makeCaster(Method method, const points::SurfelModel& model,

@@ -92,7 +92,8 @@ StrokeSite Document::site(std::span<const PlacedNode> before, std::size_t prefix
           .prefix = prefix,
           .base = base_.history,
           .grid = header_.grid,
-          .execution = execution_};
+          .execution = execution_,
+          .discs = discs_.get()};
 }
 
 void Document::appendStamps(std::span<const implicit::Primitive> stamps) {

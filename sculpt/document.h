@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "points/surfel_model.h"
+#include "retarget/methods/kept_discs.h"
 #include "sculpt/base_chain.h"
 #include "sculpt/command.h"
 #include "sculpt/evaluation.h"
@@ -132,6 +134,8 @@ class Document {
   History history_;
   BaseChains chains_;
   BaseChains::Base base_;
+  // For strokes cast by `embree`; a pointer, so that documents can be moved.
+  std::unique_ptr<retarget::KeptDiscs> discs_ = std::make_unique<retarget::KeptDiscs>();
   std::vector<PlacedNode> placed_;  // behind the base, in list order
   std::vector<float> stampSeconds_;
   std::map<NodeId, retarget::Trail> trails_;  // with keepTrails

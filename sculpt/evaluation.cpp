@@ -62,7 +62,8 @@ retarget::CasterInput inputFor(const StrokeCommand& stroke, const StrokeSite& si
   return {.model = site.model,
           .camera = stroke.stroke.camera,
           .prefix = {site.prefix},
-          .execution = site.execution};
+          .execution = site.execution,
+          .discs = site.discs};
 }
 
 std::uint64_t shapeBefore(const StrokeSite& site) {

@@ -36,6 +36,7 @@ struct StrokeSite {
   const BaseHistory& base;
   float grid = 0x1p-16f;
   Execution execution = {};
+  retarget::KeptDiscs* discs = nullptr;  ///< as in retarget::CasterInput
 };
 
 /// What may be used instead of casting anew.

@@ -228,6 +228,7 @@ points::SurfelModel Document::replayedFromScratch() const {
   const implicit::Primitive base{base_.shape, implicit::Sign::Positive};
   model.append({&base, 1}, execution_);
   std::vector<PlacedNode> placed;
+  retarget::KeptDiscs discs;
   for (const NodeId node : history_.pathTo(history_.cursor())) {
     if (history_.kind(node) > NodeKind::Fixed || history_.tree().isCancelled(node)) continue;
     const Command command = history_.command(node);
@@ -238,7 +239,8 @@ points::SurfelModel Document::replayedFromScratch() const {
                             .prefix = model.list().size(),
                             .base = base_.history,
                             .grid = header_.grid,
-                            .execution = execution_};
+                            .execution = execution_,
+                            .discs = &discs};
       primitives =
           primitivesOf(Evaluation(history_, chains_).apply(node, *stroke, site).outcome, stroke->brush);
     } else {

@@ -7,8 +7,8 @@
 
 namespace restroke::retarget {
 
-/// Builds an Embree scene of the prefix's surfels, O(surfels log surfels), and keeps it as long as the caster
-/// lives.
+/// Builds an Embree scene of the prefix's surfels (DiscScene), O(surfels log surfels), and has it as long as
+/// the caster lives; with CasterInput::discs only what has changed since the last caster is built.
 ///
 /// Discs that face away are passed through. A disc hit at ray parameter t says only how far to look: the hit
 /// is the first exact crossing (implicit::castRay) in front of t + kDiscReach disc radii. Where there is none

@@ -73,7 +73,8 @@ Measured measure(const Task& task, std::size_t rounds, double corefinementSecond
   const std::vector<implicit::SimdLevel> levels = implicit::supportedSimdLevels();
   implicit::useSimdLevel(levels.back());
   std::vector<Column> brush, plain;
-  Column csg("OpenVDB CSG"), plainBrush("leaf brush, plain"), corefined("CGAL"), embree("Embree, rebuilt");
+  Column csg("OpenVDB CSG"), plainBrush("leaf brush, plain"), corefined("CGAL"), embree("Embree, rebuilt"),
+      updated("Embree, updated");
   for (const implicit::SimdLevel level : levels) {
     const std::string name(implicit::nameOf(level));
     out.table.ours.emplace_back("Restroke", name);
@@ -91,6 +92,7 @@ Measured measure(const Task& task, std::size_t rounds, double corefinementSecond
     }
     measureLeafBrush(task, round, plainBrush);
     measureEmbree(task, out.table.ours.back().at(Row::Rays).value_or(0), embree);
+    measureUpdatedEmbree(task, round, updated);
     if (round % 3 == 0) out.csg = measureOpenVdbCsg(task, csg);
   }
   out.corefined = measureCorefinement(task, corefinementSeconds, corefined);
@@ -101,6 +103,7 @@ Measured measure(const Task& task, std::size_t rounds, double corefinementSecond
   std::move(plain.begin(), plain.end(), std::back_inserter(rivals));
   rivals.push_back(std::move(corefined));
   rivals.push_back(std::move(embree));
+  rivals.push_back(std::move(updated));
   return out;
 }
 

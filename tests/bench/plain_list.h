@@ -56,7 +56,8 @@ class PlainList {
   std::array<std::vector<float>, kColumns> columns_;
   std::vector<std::uint8_t> positive_;
   std::vector<const implicit::GriddedVolume*> volumes_;  // all null
-  std::vector<std::uint32_t> found_, patches_;
+  std::vector<std::uint32_t> found_;
+  std::vector<std::uint16_t> blocks_;
   std::vector<RayInterval> intervals_;
   std::size_t surfels_ = 0;
 };

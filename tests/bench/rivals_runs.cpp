@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "implicit/ray_cast.h"
+#include "retarget/methods/disc_scene.h"
 #include "tests/bench/embree_discs.h"
 #include "tests/bench/leaf_brush.h"
 #include "tests/bench/plain_list.h"
@@ -127,6 +128,30 @@ Check checkEmbree(const Task& task, const points::SurfelModel& model) {
           fmt::format("Embree's discs are hit within 0.01 of the exact place: {} of {}", near, asked)};
 }
 
+// Bit for bit, after every tenth stroke was undone and one came back elsewhere.
+Check checkUpdatedEmbree(const Task& task) {
+  points::SurfelModel model = modelOf(task);
+  retarget::DiscScene updated, built;
+  updated.update(model);
+  for (std::size_t k = task.strokes.size(); k-- > 0;) {
+    if (k % 10 != 0) continue;
+    model.remove(task.strokes[k].first, task.strokes[k].count);
+    updated.update(model);
+  }
+  if (!task.strokes.empty())
+    model.append(std::span(task.list).subspan(task.strokes[0].first, task.strokes[0].count));
+  updated.update(model);
+  built.update(model);
+  std::size_t equal = 0;
+  for (const Ray& ray : task.rays) {
+    const auto a = updated.nearest(ray, 0), b = built.nearest(ray, 0);
+    equal += a.has_value() == b.has_value() && (!a || (a->t == b->t && a->radius == b->radius));
+  }
+  return {equal == task.rays.size() && updated.discCount() == model.surfelCount(),
+          fmt::format("Embree's scene brought up to date answers as one built from nothing: {} of {} rays",
+                      equal, task.rays.size())};
+}
+
 Check checkCorefinement(const CorefinementResult& corefined) {
   const std::size_t done = corefined.stampMicroseconds.size();
   return {
@@ -228,12 +253,40 @@ void measureEmbree(const Task& task, double exactRays, Column& column) {
   if (rays > exactRays) column.add(Row::RayBreakEven, 1e3 * build / (1 / exactRays - 1 / rays));
 }
 
+void measureUpdatedEmbree(const Task& task, std::size_t round, Column& column) {
+  constexpr Execution kOneThread{.threads = 1};
+  points::SurfelModel model = modelOf(task);
+  retarget::DiscScene scene;
+  const auto timedUpdate = [&](Row row) {
+    const auto start = Clock::now();
+    scene.update(model, {}, kOneThread);
+    column.add(row, 1e3 * secondsSince(start));
+  };
+  timedUpdate(Row::RayBuild);
+  std::size_t hits = 0;
+  const auto startOfRays = Clock::now();
+  for (const Ray& ray : task.rays) hits += scene.nearest(ray, static_cast<float>(ray.tMin)).has_value();
+  if (hits > 0)
+    column.add(Row::Rays, static_cast<double>(task.rays.size()) / secondsSince(startOfRays) / 1e6);
+  for (std::size_t k = round % 5; k < task.strokes.size(); k += 5) {
+    const Stroke stroke = task.strokes[k];
+    const std::span own = std::span(task.list).subspan(stroke.first, stroke.count);
+    model.remove(stroke.first, stroke.count);
+    timedUpdate(Row::RayUpdateUndo);
+    model.append(own);
+    timedUpdate(Row::RayUpdate);
+    model.remove(model.list().size() - stroke.count, stroke.count);
+    model.insert(stroke.first, own);
+    scene.update(model, {}, kOneThread);
+  }
+}
+
 std::vector<Check> checkRivals(const Task& task, const RivalsTable& table, const OpenVdbResult& csg,
                                const CorefinementResult& corefined) {
   points::SurfelModel model = modelOf(task);
-  return {checkGrids(task, csg),        checkSigns(task, model),  checkPlainList(task, model),
-          checkPlainRays(task, model),  checkEmbree(task, model), checkCorefinement(corefined),
-          checkBytes(table.ours.back())};
+  return {checkGrids(task, csg),        checkSigns(task, model),      checkPlainList(task, model),
+          checkPlainRays(task, model),  checkEmbree(task, model),     checkUpdatedEmbree(task),
+          checkCorefinement(corefined), checkBytes(table.ours.back())};
 }
 
 }  // namespace restroke::bench

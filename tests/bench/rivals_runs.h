@@ -19,6 +19,9 @@ void measurePlainList(const Task& task, std::size_t round, Column& column);
 [[nodiscard]] CorefinementResult measureCorefinement(const Task& task, double seconds, Column& column);
 /// Build and rays; `exactRays` is Restroke's rate (M/s), for the break-even.
 void measureEmbree(const Task& task, double exactRays, Column& column);
+/// Build, rays, and bringing the scene up to date after each of several strokes that are appended, and after
+/// each that is undone in the middle of the list; `round` chooses them. The model's own work is not counted.
+void measureUpdatedEmbree(const Task& task, std::size_t round, Column& column);
 
 /// A sentence on what was compared, and whether it held.
 struct Check {

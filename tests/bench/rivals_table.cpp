@@ -16,6 +16,8 @@ constexpr std::array<RowInfo, kRows> kRowInfos = {{
     {"undo_median", "undo of a stroke in the middle, median", "ms", 3, false},
     {"undo_p99", "undo of a stroke in the middle, 99th perc.", "ms", 3, false},
     {"ray_build", "rays, built beforehand", "ms", 2, false},
+    {"ray_update", "rays, up to date after a stroke at the end", "ms", 3, false},
+    {"ray_update_undo", "rays, up to date after undo in the middle", "ms", 3, false},
     {"rays", "rays, 1 thread", "M/s", 3, true},
     {"prefix_rays", "rays on the first half of the list", "M/s", 3, true},
     {"ray_break_even", "rays after which building has paid off", "thousand", 0, false},

@@ -22,6 +22,8 @@ enum class Row : std::size_t {
   UndoMedian,
   UndoP99,
   RayBuild,
+  RayUpdate,
+  RayUpdateUndo,
   Rays,
   PrefixRays,
   RayBreakEven,

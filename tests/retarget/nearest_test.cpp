@@ -120,7 +120,10 @@ TEST(NearestMethod, SeesThePrefixOnly) {
   const Trail trail = trailAlong(sphereModel(2000), smallCamera(), 60);
   const auto whole = bumpyModel(2000);
   points::SurfelModel part({.density = 2000});
-  for (std::size_t i = 0; i < 30; ++i) part.append({&whole.list().at(i), 1});
+  for (std::size_t i = 0; i < 30; ++i) {
+    const implicit::Primitive primitive = whole.list().at(i);
+    part.append({&primitive, 1});
+  }
   const Change change{.original = &trail};
   const auto ofPrefix = makeCaster(
       Method::Nearest, {.model = whole, .camera = smallCamera(), .prefix = {.count = 30}, .change = change});
