@@ -14,11 +14,11 @@
 namespace restroke::points {
 
 using implicit::kPatch;
+using implicit::PlacedPatch;
 using implicit::Prefix;
 using implicit::Primitive;
 using implicit::PrimitiveList;
 using implicit::SampledShape;
-using implicit::SampleTable;
 using implicit::Sign;
 
 namespace {
@@ -53,13 +53,18 @@ void describe(const Primitive& primitive, std::vector<float>& numbers) {
     for (const std::uint32_t v : triangle) numbers.push_back(std::bit_cast<float>(v));
 }
 
-// Calls f(sample) for the visible samples of a shape, in order.
+// Calls f(row) for the visible samples of a shape, in order.
 template <class F>
-void forVisible(const SampledShape& shape, const std::uint16_t* masks, std::uint32_t patches, const F& f) {
-  for (std::uint32_t p = 0; p < patches; ++p)
-    for (std::uint32_t bits = masks[p]; bits != 0; bits &= bits - 1)
-      f(implicit::placedSample(shape, p * static_cast<std::uint32_t>(kPatch) +
-                                          static_cast<std::uint32_t>(std::countr_zero(bits))));
+void forVisible(const SampledShape& shape, const std::uint16_t* masks, const F& f) {
+  const auto place = implicit::ballKernels().placePatch;
+  const std::uint32_t patches = shape.tree->level[0].count;
+  PlacedPatch patch;
+  for (std::uint32_t p = 0; p < patches; ++p) {
+    std::uint32_t bits = masks[p];
+    if (bits == 0) continue;
+    place(shape, p, patch);
+    for (; bits != 0; bits &= bits - 1) f(patch.row[std::countr_zero(bits)]);
+  }
 }
 
 }  // namespace
@@ -71,39 +76,46 @@ SurfelModel::MasksBySlot SurfelModel::masksBySlot() const {
   return masks;
 }
 
-std::vector<Surfel> SurfelModel::expand(const MasksBySlot& masks, std::size_t primitives,
-                                        const Execution& execution) const {
-  std::vector<std::size_t> first(primitives + 1, 0);
-  for (std::size_t i = 0; i < primitives; ++i) {
-    const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
-    std::size_t n = 0;
-    for (std::uint32_t p = 0; p < samples_[slot].patches; ++p)
-      n += static_cast<unsigned>(std::popcount(masks[slot][p]));
-    first[i + 1] = first[i] + n;
-  }
-  std::vector<Surfel> out(first.back());
+SurfelModel::FirstOf SurfelModel::firstSurfels() const {
+  FirstOf first(list_.size() + 1, 0);
+  for (std::size_t i = 0; i < list_.size(); ++i)
+    first[i + 1] = first[i] + samples_[PrimitiveList::slotOf(list_.idAt(i))].visible;
+  return first;
+}
+
+void SurfelModel::expand(const MasksBySlot& masks, const FirstOf& first, std::vector<Surfel>& out,
+                         const Execution& execution) const {
+  out.resize(first.back());
   inArena(execution, [&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, primitives, 16), [&](const auto& range) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, first.size() - 1, 16), [&](const auto& range) {
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         if (first[i] == first[i + 1]) continue;
         const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
         const Primitive primitive = list_.at(i);
-        const SampleTable& table = tableIn(slot);
         const SampledShape shape = shapeIn(slot);
-        const float radius = discRadius(primitive.shape, table.count());
-        std::size_t at = first[i];
-        forVisible(shape, masks[slot], table.patches(), [&](const implicit::PlacedSample& s) {
-          out[at++] = {s.position, shape.positive ? s.normal : -s.normal, radius,
-                       static_cast<std::uint32_t>(i), primitive.sign};
+        const float radius =
+            discRadius(primitive.shape, samples_[slot].patches * static_cast<std::uint32_t>(kPatch));
+        Surfel* next = out.data() + first[i];
+        forVisible(shape, masks[slot], [&](const PlacedPatch::Row& row) {
+          *next++ = {{row.x, row.y, row.z},
+                     {row.nx, row.ny, row.nz},
+                     radius,
+                     static_cast<std::uint32_t>(i),
+                     primitive.sign};
         });
       }
     });
   });
-  return out;
+}
+
+void SurfelModel::surfels(std::vector<Surfel>& out, const Execution& execution) const {
+  expand(masksBySlot(), firstSurfels(), out, execution);
 }
 
 std::vector<Surfel> SurfelModel::surfels(const Execution& execution) const {
-  return expand(masksBySlot(), list_.size(), execution);
+  std::vector<Surfel> out;
+  surfels(out, execution);
+  return out;
 }
 
 std::vector<Surfel> SurfelModel::surfels(Prefix prefix, const Execution& execution) const {
@@ -111,7 +123,16 @@ std::vector<Surfel> SurfelModel::surfels(Prefix prefix, const Execution& executi
   prefix.count = std::min(prefix.count, list_.size());
   std::vector<std::uint16_t> room;
   const std::vector<std::uint16_t*> masks = evaluatePrefix(prefix, room, execution);
-  return expand({masks.begin(), masks.end()}, prefix.count, execution);
+  FirstOf first(prefix.count + 1, 0);
+  for (std::size_t i = 0; i < prefix.count; ++i) {
+    const std::uint32_t slot = PrimitiveList::slotOf(list_.idAt(i));
+    first[i + 1] = first[i];
+    for (std::uint32_t p = 0; p < samples_[slot].patches; ++p)
+      first[i + 1] += static_cast<unsigned>(std::popcount(masks[slot][p]));
+  }
+  std::vector<Surfel> out;
+  expand({masks.begin(), masks.end()}, first, out, execution);
+  return out;
 }
 
 float SurfelModel::discRadiusOf(implicit::PrimitiveId id) const {
@@ -129,9 +150,8 @@ std::uint64_t SurfelModel::stateHash(const Execution& execution) const {
         describe(list_.at(i), numbers);
         if (samples_[slot].visible != 0) {
           const SampledShape shape = shapeIn(slot);
-          forVisible(shape, masksIn(slot), samples_[slot].patches, [&](const implicit::PlacedSample& at) {
-            const Vec3 n = shape.positive ? at.normal : -at.normal;
-            numbers.insert(numbers.end(), {at.position.x, at.position.y, at.position.z, n.x, n.y, n.z});
+          forVisible(shape, masksIn(slot), [&](const PlacedPatch::Row& row) {
+            numbers.insert(numbers.end(), {row.x, row.y, row.z, row.nx, row.ny, row.nz});
           });
         }
         hashes[i] = XXH3_64bits(numbers.data(), numbers.size() * sizeof(float));

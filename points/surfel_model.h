@@ -61,6 +61,8 @@ class SurfelModel {
   [[nodiscard]] std::size_t surfelCount() const { return surfelCount_; }
   /// All surfels, by list position, then by sample number. O(samples).
   [[nodiscard]] std::vector<Surfel> surfels(const Execution& execution = {}) const;
+  /// The same into `out`, whose memory is used again: for what is drawn again and again.
+  void surfels(std::vector<Surfel>& out, const Execution& execution = {}) const;
   /// The surfels that a list of only the prefix would have, without changing anything.
   [[nodiscard]] std::vector<Surfel> surfels(implicit::Prefix prefix, const Execution& execution = {}) const;
 
@@ -97,6 +99,7 @@ class SurfelModel {
     std::uint32_t visible = 0;  ///< samples: what came of it
   };
   using MasksBySlot = std::vector<const std::uint16_t*>;
+  using FirstOf = std::vector<std::size_t>;  // by list position, and the end: which surfel is the first
   [[nodiscard]] const implicit::SampleTable& tableIn(std::uint32_t slot) const;
   [[nodiscard]] implicit::SampledShape shapeIn(std::uint32_t slot) const;
   [[nodiscard]] implicit::DropBall regionIn(std::uint32_t slot) const;
@@ -129,9 +132,10 @@ class SurfelModel {
   [[nodiscard]] std::vector<std::uint16_t*> evaluatePrefix(implicit::Prefix prefix,
                                                            std::vector<std::uint16_t>& room,
                                                            const Execution& execution) const;
+  [[nodiscard]] FirstOf firstSurfels() const;
   [[nodiscard]] std::vector<Run> runsOf(std::size_t first, std::size_t last) const;
-  [[nodiscard]] std::vector<Surfel> expand(const MasksBySlot& masks, std::size_t primitives,
-                                           const Execution& execution) const;
+  void expand(const MasksBySlot& masks, const FirstOf& first, std::vector<Surfel>& out,
+              const Execution& execution) const;
 
   implicit::PrimitiveList list_;
   SamplingOptions sampling_;

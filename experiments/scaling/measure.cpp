@@ -115,9 +115,9 @@ class Subject {
     for (std::size_t i = 0; i < wanted; ++i)
       counted.emplace_back(out_.bases + static_cast<std::size_t>(random.below(stamps)), 0);
     for (std::size_t j = 0; j < n; ++j) {
-      const implicit::Sphere& other = model_.list().at(j).shape.ball();
+      const implicit::Sphere other = model_.list().at(j).shape.ball();
       for (auto& [i, met] : counted) {
-        const implicit::Sphere& own = model_.list().at(i).shape.ball();
+        const implicit::Sphere own = model_.list().at(i).shape.ball();
         const Vec3 apart = other.center - own.center;
         const float reach = other.radius + own.radius;
         met += j != i && dot(apart, apart) < reach * reach;
@@ -230,10 +230,7 @@ class Subject {
       return;
     }
     std::vector<points::Surfel> surfels;
-    out_.listing = 1e3 * medianSeconds(options_.patience / 2, [&] {
-                     surfels = {};
-                     surfels = model_.surfels(execution_);
-                   });
+    out_.listing = 1e3 * medianSeconds(options_.patience / 2, [&] { model_.surfels(surfels, execution_); });
     const Camera from = camera(options_.width, options_.height);
     const points::Scene scene{.surfels = surfels};
     out_.picture = 1e3 * medianSeconds(options_.patience / 2, [&] {

@@ -75,6 +75,14 @@ struct SampledShape {
   bool positive;
 };
 
+/// The samples of one patch where the primitive has them, one after the other.
+struct PlacedPatch {
+  struct Row {
+    float x, y, z;     ///< place
+    float nx, ny, nz;  ///< unit normal out of the whole shape: of a carving primitive into it
+  } row[kPatch];
+};
+
 /// The primitive that drops older samples, boundary and rounding included.
 struct DropBall {
   float x, y, z, reach, r2Drop;
@@ -138,6 +146,8 @@ struct BallKernels {
   std::size_t (*dropSamples)(const SampledShape& shape, const DropBall& drop, std::uint16_t* masks);
   /// Marks the patches that may meet the ball: bit k of blocks[b] is patch 16 b + k. Others stay.
   void (*touchedPatches)(const SampledShape& shape, const DropBall& drop, std::uint16_t* blocks);
+  /// Writes all samples of a patch, visible or not: those of placedSample (shape.h), bit for bit.
+  void (*placePatch)(const SampledShape& shape, std::uint32_t patch, PlacedPatch& out);
 };
 
 [[nodiscard]] const BallKernels& ballKernels();

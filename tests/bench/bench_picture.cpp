@@ -86,10 +86,11 @@ Times frames(const Subject& subject, const Size& size, const Execution& executio
   points::SurfelModel model(subject.model.sampling());
   model.append(all.first(all.size() - drawn));
   points::CpuRenderer renderer(kWindow);
+  std::vector<points::Surfel> surfels;
   std::size_t next = all.size() - drawn;
   return timed(static_cast<int>(drawn) - 1, [&] {
     model.append(all.subspan(next++, 1), execution);
-    const std::vector<points::Surfel> surfels = model.surfels(execution);
+    model.surfels(surfels, execution);
     renderer.render({.surfels = surfels}, subject.camera, kPlain, execution);
   });
 }
@@ -97,7 +98,8 @@ Times frames(const Subject& subject, const Size& size, const Execution& executio
 void printRow(const Subject& subject, const Size& size, const Execution& execution) {
   const points::Scene scene = {.surfels = subject.surfels};
   points::CpuRenderer renderer(kWindow), all;
-  const Times surfels = timed(size.rounds, [&] { (void)subject.model.surfels(execution); });
+  std::vector<points::Surfel> listed;
+  const Times surfels = timed(size.rounds, [&] { subject.model.surfels(listed, execution); });
   const Times depth =
       timed(size.rounds, [&] { renderer.renderDepth(subject.surfels, subject.camera, execution); });
   const Times window = timed(size.rounds, [&] { renderer.render(scene, subject.camera, kPlain, execution); });

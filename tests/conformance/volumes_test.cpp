@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "implicit/clearance_grid.h"
@@ -234,6 +235,41 @@ TEST_P(VolumeConformance, S3SamplesLieOnTheSurfaceAndTheirNormalsPointOut) {
       }
     }
   });
+}
+
+// All samples of the shape as the kernels place them, patch by patch, against placedSample.
+void expectPlacedAsByDefinition(const Shape& shape, bool positive) {
+  const SampleTable& samples = samplesOf(shape, 320);
+  SampledShape placed = sampled(shape, samples);
+  placed.positive = positive;
+  for (const SimdLevel level : supportedSimdLevels())
+    for (std::uint32_t patch = 0; patch < samples.patches(); ++patch) {
+      PlacedPatch rows;
+      ballKernels(level).placePatch(placed, patch, rows);
+      for (std::uint32_t k = 0; k < kPatch; ++k) {
+        const PlacedSample s = placedSample(placed, patch * static_cast<std::uint32_t>(kPatch) + k);
+        const Vec3 n = positive ? s.normal : -s.normal;
+        const float expected[] = {s.position.x, s.position.y, s.position.z, n.x, n.y, n.z};
+        // Not EXPECT_EQ of floats, which takes the two zeros for one.
+        ASSERT_EQ(std::memcmp(&rows.row[k], expected, sizeof(expected)), 0)
+            << nameOf(level) << ", patch " << patch << ", sample " << k;
+      }
+    }
+}
+
+TEST_P(VolumeConformance, X1SamplesArePlacedWithTheSameBitsOnEverySimdLevel) {
+  forExamples([](const Volume& example) {
+    Random random(21);
+    for (int pose = 0; pose < 8; ++pose)
+      expectPlacedAsByDefinition(testing::randomlyPosed(random, example.kind().make(example.parameters())),
+                                 pose % 2 == 0);
+  });
+}
+
+TEST(SphereConformance, X1SamplesArePlacedWithTheSameBitsOnEverySimdLevel) {
+  Random random(22);
+  for (int k = 0; k < 50; ++k)
+    expectPlacedAsByDefinition({random.inCube(k % 3 == 0 ? 0.0f : 4), random.between(0.01f, 3)}, k % 2 == 0);
 }
 
 TEST_P(VolumeConformance, S3SamplesAreSpreadEvenly) {

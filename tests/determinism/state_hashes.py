@@ -1,10 +1,18 @@
-"""State hashes of logs, against those that are written down (SPEC X1, DESIGN invariant 5).
+"""One table of state hashes: logs and stamp lists x SIMD levels x threads, against those that are written down (SPEC X1, DESIGN
+invariant 5).
 
-  state_hashes.py RESTROKE SOURCE_DIR SHARED_DIR            compare, for every SIMD level and 1, 2 and 8 threads
-  state_hashes.py RESTROKE SOURCE_DIR SHARED_DIR --write    write them down anew
+  state_hashes.py RESTROKE SOURCE_DIR SHARED_DIR [--built TEXT]    compare and print the table
+  state_hashes.py RESTROKE SOURCE_DIR SHARED_DIR --write           write the hashes down anew
 
-Every compiler, build type, sanitizer and Debian runs this same test, so all of them agree. Logs of the shared folder are left out where it is absent.
+TEXT says how RESTROKE was built, for the table's head; `ctest -R determinism -V` prints it all. Every compiler, build type, sanitizer
+and Debian compares with the same state_hashes.txt, so all of them agree. What is in the shared folder is left out where that is absent.
+
+Shipped logs and shared stamp lists are replayed at every SIMD level that the processor has with 1, 2 and 8 threads; the stages of a
+figure and imported pen strokes with each of these once. Each shipped log and stamp list is also made from its primitives all at
+once, every sample evaluated anew, and each stamp list with a stroke of its own for every stamp: the same hash.
 """
+import argparse
+import concurrent.futures
 import itertools
 import json
 import os
@@ -13,88 +21,170 @@ import sys
 import tempfile
 
 SIMD_LEVELS = ["sse2", "avx2", "avx512"]
+THREADS = [1, 2, 8]
+EXPECTED = os.path.join(os.path.dirname(os.path.abspath(__file__)), "state_hashes.txt")
 
 
-def sources(source_dir, shared_dir):
-    """Name -> a log to replay, a stroke file to import first, or a log and the number of its lines to replay."""
-    out = {}
+class Source:
+    """Something to replay: `log`, under a name, on every combination (`full`) or on each level and thread count once."""
+
+    def __init__(self, name, log, full):
+        self.name, self.log, self.full = name, log, full
+
+    def variants(self, levels):
+        """(SIMD level, threads) to replay with."""
+        if self.full:
+            return list(itertools.product(levels, THREADS))
+        return [(level, 1) for level in levels] + [(levels[-1], threads) for threads in THREADS[1:]]
+
+
+def names(folder, ending):
+    return sorted(name for name in os.listdir(folder) if name.endswith(ending))
+
+
+def imported(program, strokes, log):
+    done = subprocess.run([program, "import", strokes, "--out", log], capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit("import of %s failed: %s" % (strokes, done.stderr))
+    return log
+
+
+def sources(program, source_dir, shared_dir, scratch):
     examples = os.path.join(source_dir, "experiments", "examples")
-    for name in sorted(os.listdir(examples)):
-        if name.endswith(".log"):
-            out["examples/" + name] = ("replay", os.path.join(examples, name))
+    out = [Source("examples/" + name, os.path.join(examples, name), True) for name in names(examples, ".log")]
+    with open(os.path.join(examples, "figure10.log"), encoding="utf-8") as f:
+        figure = f.readlines()
     with open(os.path.join(examples, "figure10-stages.txt"), encoding="utf-8") as f:
         for stage, lines, *_ in (line.split() for line in f if not line.startswith("#")):
-            out["examples/figure10.log(%s)" % stage] = ("lines", os.path.join(examples, "figure10.log"), int(lines))
+            log = os.path.join(scratch, "stage-%s.log" % stage)
+            with open(log, "w", encoding="utf-8") as begun:
+                begun.writelines(figure[:int(lines)])
+            out.append(Source("examples/figure10.log(%s)" % stage, log, False))
+    if not os.path.isdir(os.path.join(shared_dir, "data")):
+        print("no shared folder at %s: its stamp lists and pen strokes are skipped, the shipped logs are compared" % shared_dir)
+        return out
+    stamps = os.path.join(shared_dir, "data", "stamps")
+    out += [Source("shared/stamps/" + name, os.path.join(stamps, name), True) for name in names(stamps, ".stamps")]
     strokes = os.path.join(shared_dir, "data", "strokes")
-    if os.path.isdir(strokes):
-        for name in sorted(os.listdir(strokes)):
-            if name.endswith(".json"):
-                out["shared/strokes/" + name] = ("import", os.path.join(strokes, name))
-        stamps = os.path.join(shared_dir, "data", "stamps")
-        for name in sorted(os.listdir(stamps)):
-            if name.endswith(".stamps"):
-                out["shared/stamps/" + name] = ("replay", os.path.join(stamps, name))
-    else:
-        print("no shared folder at %s: only the shipped logs are compared" % shared_dir)
+    out += [Source("shared/strokes/" + name, imported(program, os.path.join(strokes, name), os.path.join(scratch, name + ".log")), False)
+            for name in names(strokes, ".json")]
     return out
 
 
-def replay(program, log, threads, simd=None):
-    env = dict(os.environ)
-    if simd:
-        env["RESTROKE_SIMD"] = simd
-    done = subprocess.run([program, "replay", log, "--threads", str(threads), "--json", "-"], env=env,
+def replay(program, log, simd=None, threads=1, *options):
+    """The JSON that the program prints."""
+    env = dict(os.environ, **({"RESTROKE_SIMD": simd} if simd else {}))
+    done = subprocess.run([program, "replay", log, "--threads", str(threads), "--json", "-", *options], env=env,
                           capture_output=True, text=True)
     if done.returncode != 0:
-        sys.exit("replay of %s failed: %s" % (log, done.stderr))
-    return json.loads(done.stdout[done.stdout.index("{"):])
+        sys.exit("replay of %s with %s and %d threads failed: %s" % (log, simd, threads, done.stderr))
+    out = json.loads(done.stdout[done.stdout.index("{"):])
+    if simd and out["simd"] != simd:
+        sys.exit("asked for %s, the program used %s" % (simd, out["simd"]))
+    return out
+
+
+def one_by_one(stamps, out):
+    """Writes a stamp list with a stroke for every stamp; returns their number."""
+    count, head = 0, None
+    with open(stamps, encoding="utf-8") as lines, open(out, "w", encoding="utf-8") as f:
+        for line in lines:
+            if line.startswith("S "):
+                head = "S %s 1\n" % line.split()[1]
+            elif head and line.strip() and not line.startswith("#"):
+                f.write(head + line)
+                count += 1
+            else:
+                f.write(line)
+    return count
+
+
+class Table:
+    """Prints rows; keeps what was found and how many rows differ from what is written down."""
+
+    def __init__(self, expected):
+        self.expected, self.found, self.failures = expected, {}, 0
+
+    def judge(self, name, hashes):
+        """Whether all of them are the one that is written down, in words."""
+        self.found.setdefault(name, hashes[0])
+        expected = self.expected.get(name)
+        different = [h for h in hashes if h != expected]
+        if not different:
+            return "equal"
+        self.failures += 1
+        return "DIFFERENT: %s is written down" % (expected or "nothing")
+
+    def row(self, name, *cells):
+        print(("%-47s %-26s %s" % (name, cells[0], " ".join("%-16s" % c for c in cells[1:]))).rstrip(), flush=True)
+
+
+def compare_variants(table, all_sources, levels, results):
+    table.row("log or list", "SIMD", *["%d thread%s" % (t, "" if t == 1 else "s") for t in THREADS], "written down")
+    for source in all_sources:
+        for level in levels:
+            cells = [results[source.name, level, t].result()["state_hash"] if (source.name, level, t) in results else ""
+                     for t in THREADS]
+            table.row(source.name, level, *cells, table.judge(source.name, [c for c in cells if c]))
+
+
+def compare_ways(table, ways):
+    print("\nthree ways to the same list, with the highest SIMD level and 1 thread")
+    table.row("log or list", "made", "state", "written down")
+    for name, way, result in ways:
+        state = result.result()["state_hash"]
+        table.row(name, way, state, table.judge(name, [state]))
+
+
+def ways_of(source, pool, program, scratch):
+    """(name, how it is made, what the program will say) of a shipped log or a stamp list."""
+    # --check fails unless the list made all at once, with every sample evaluated anew, has the hash that is printed.
+    checked = pool.submit(replay, program, source.log, None, 1, "--check")
+    out = [(source.name, "as strokes", checked), (source.name, "all at once, and rebuilt", checked)]
+    if source.log.endswith(".stamps"):
+        log = os.path.join(scratch, "one-by-one-" + os.path.basename(source.log))
+        count = one_by_one(source.log, log)
+        out.append((source.name, "%d strokes of one stamp" % count, pool.submit(replay, program, log)))
+    return out
+
+
+def read_expected():
+    with open(EXPECTED, encoding="utf-8") as f:
+        return dict(line.split() for line in f if line.strip() and not line.startswith("#"))
+
+
+def write_expected(expected, found):
+    with open(EXPECTED, "w", encoding="utf-8") as f:
+        f.write("# State hashes of replayed logs: the same on every machine. Made by state_hashes.py --write.\n")
+        for name in sorted({**expected, **found}):
+            f.write("%s %s\n" % (name, found.get(name, expected.get(name))))
 
 
 def main():
-    program, source_dir, shared_dir = sys.argv[1:4]
-    expected_file = os.path.join(os.path.dirname(os.path.abspath(__file__)), "state_hashes.txt")
-    expected = {}
-    if os.path.exists(expected_file):
-        with open(expected_file) as f:
-            expected = dict(line.split() for line in f if line.strip() and not line.startswith("#"))
-    failures = 0
-    found = {}
-    with tempfile.TemporaryDirectory() as folder:
-        for name, (kind, path, *lines) in sources(source_dir, shared_dir).items():
-            log = path
-            if kind == "lines":
-                log = os.path.join(folder, "begun.log")
-                with open(path, encoding="utf-8") as whole, open(log, "w", encoding="utf-8") as begun:
-                    begun.writelines(itertools.islice(whole, lines[0]))
-            if kind == "import":
-                log = os.path.join(folder, "imported.log")
-                if os.path.exists(log):
-                    os.remove(log)
-                done = subprocess.run([program, "import", path, "--out", log], capture_output=True, text=True)
-                if done.returncode != 0:
-                    sys.exit("import of %s failed: %s" % (path, done.stderr))
-            first = replay(program, log, 1)
-            found[name] = first["state_hash"]
-            variants = [(t, None) for t in (2, 8)]
-            variants += [(1, level) for level in SIMD_LEVELS[:SIMD_LEVELS.index(first["simd"])]]
-            for threads, simd in variants:
-                other = replay(program, log, threads, simd)["state_hash"]
-                if other != found[name]:
-                    failures += 1
-                    print("%s: %s with 1 thread and %s, but %s with %d threads and %s" %
-                          (name, found[name], first["simd"], other, threads, simd or first["simd"]))
-            print("%-45s %s" % (name, found[name]))
-    if "--write" in sys.argv:
-        with open(expected_file, "w") as f:
-            f.write("# State hashes of replayed logs: the same on every machine. Made by state_hashes.py --write.\n")
-            for name in sorted({**expected, **found}):
-                f.write("%s %s\n" % (name, found.get(name, expected.get(name))))
+    parser = argparse.ArgumentParser()
+    parser.add_argument("program")
+    parser.add_argument("source_dir")
+    parser.add_argument("shared_dir")
+    parser.add_argument("--built", default="a program of unknown build")
+    parser.add_argument("--write", action="store_true")
+    options = parser.parse_args()
+    table = Table(read_expected())
+    with tempfile.TemporaryDirectory() as scratch, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        all_sources = sources(options.program, options.source_dir, options.shared_dir, scratch)
+        highest = replay(options.program, all_sources[-1].log)["simd"]
+        levels = SIMD_LEVELS[:SIMD_LEVELS.index(highest) + 1]
+        print("built by %s; the processor has %s" % (options.built, ", ".join(levels)))
+        results = {(source.name, level, threads): pool.submit(replay, options.program, source.log, level, threads)
+                   for source in all_sources for level, threads in source.variants(levels)}
+        ways = [way for source in all_sources if source.full for way in ways_of(source, pool, options.program, scratch)]
+        compare_variants(table, all_sources, levels, results)
+        compare_ways(table, ways)
+    if options.write:
+        write_expected(table.expected, table.found)
         return 0
-    for name, value in found.items():
-        if expected.get(name) != value:
-            failures += 1
-            print("%s: expected %s, found %s" % (name, expected.get(name, "nothing written down"), value))
-    return 1 if failures else 0
+    print("\n%d logs and lists: %s" % (len(all_sources), "all hashes are those written down in state_hashes.txt"
+                                       if table.failures == 0 else "%d rows differ" % table.failures))
+    return 1 if table.failures else 0
 
 
 if __name__ == "__main__":

@@ -197,6 +197,27 @@ TEST(SurfelModel, PrefixSurfelsAreThoseOfTheShorterList) {
   }
 }
 
+TEST(SurfelModel, SurfelsIntoKeptMemoryAreThoseOfAFreshListWhateverWasThere) {
+  Random random(13);
+  std::vector<Primitive> list{add({0, 0, 0}, 1)};
+  for (int i = 0; i < 30; ++i) list.push_back(testing::randomPrimitive(random, list));
+  SurfelModel model = modelOf(list);
+  std::vector<Surfel> kept(7);
+  model.surfels(kept);
+  expectSame(kept, model.surfels(), "grown");
+  EXPECT_EQ(kept.size(), model.surfelCount());
+  model.remove(5, 20);
+  model.surfels(kept, {.threads = 2});
+  expectSame(kept, model.surfels(), "fewer or more");
+  model.remove(1, 10);
+  model.surfels(kept);
+  expectSame(kept, model.surfels(), "the base alone");
+  model.remove(0, 1);
+  model.surfels(kept);
+  EXPECT_TRUE(kept.empty());
+  EXPECT_GT(kept.capacity(), 0u);  // it is used again
+}
+
 // DESIGN invariant 2. RESTROKE_WALK_STEPS sets the length: 10,000 in the long run, fewer by default.
 TEST(SurfelModel, S6AnyWalkOfAppendsRemovalsAndInsertionsEqualsFromScratchEachTime) {
   const char* asked = std::getenv("RESTROKE_WALK_STEPS");
