@@ -22,11 +22,13 @@ class Shape {
   Shape() = default;
 
   /// The sphere itself, or a ball that holds the volume.
-  [[nodiscard]] const Sphere& ball() const { return ball_; }
+  [[nodiscard]] const Sphere& ball() const& { return ball_; }
+  [[nodiscard]] Sphere ball() && { return ball_; }  // lists give primitives by value
   [[nodiscard]] bool isSphere() const { return !volume_; }
   /// Null for a sphere.
   [[nodiscard]] const PosedVolume* volume() const { return volume_.get(); }
-  [[nodiscard]] const std::shared_ptr<const PosedVolume>& sharedVolume() const { return volume_; }
+  [[nodiscard]] const std::shared_ptr<const PosedVolume>& sharedVolume() const& { return volume_; }
+  [[nodiscard]] std::shared_ptr<const PosedVolume> sharedVolume() && { return std::move(volume_); }
 
   bool operator==(const Shape& other) const {
     return ball_ == other.ball_ &&

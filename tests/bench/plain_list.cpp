@@ -42,7 +42,8 @@ implicit::BallArrays PlainList::arrays(std::size_t earlier) const {
           .anyVolume = false,
           .positive = positive_.data(),
           .count = static_cast<std::uint32_t>(list_.size()),
-          .earlier = static_cast<std::uint32_t>(earlier)};
+          .earlier = static_cast<std::uint32_t>(earlier),
+          .later = static_cast<std::uint32_t>(earlier)};
 }
 
 BallColumns PlainList::columns() const {
