@@ -233,8 +233,11 @@ class Subject {
     out_.listing = 1e3 * medianSeconds(options_.patience / 2, [&] { model_.surfels(surfels, execution_); });
     const Camera from = camera(options_.width, options_.height);
     const points::Scene scene{.surfels = surfels};
+    // As a window draws: colour and depth, one picture after the other into the same memory.
+    points::CpuRenderer renderer({.normal = false, .ids = false});
+    const points::RenderOptions plain{.samples = 1, .occlusion = points::Occlusion::None};
     out_.picture = 1e3 * medianSeconds(options_.patience / 2, [&] {
-                     (void)points::render(scene, from, {.samples = 1}, execution_);
+                     (void)renderer.render(scene, from, plain, execution_);
                    });
     if (options_.portrait) portray(surfels);
   }
