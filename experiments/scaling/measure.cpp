@@ -236,9 +236,8 @@ class Subject {
     // As a window draws: colour and depth, one picture after the other into the same memory.
     points::CpuRenderer renderer({.normal = false, .ids = false});
     const points::RenderOptions plain{.samples = 1, .occlusion = points::Occlusion::None};
-    out_.picture = 1e3 * medianSeconds(options_.patience / 2, [&] {
-                     (void)renderer.render(scene, from, plain, execution_);
-                   });
+    out_.picture = 1e3 * medianSeconds(options_.patience / 2,
+                                       [&] { (void)renderer.render(scene, from, plain, execution_); });
     if (options_.portrait) portray(surfels);
   }
 

@@ -134,7 +134,8 @@ void PlainList::remove(std::size_t first, std::size_t count) {
     columns_[kX][i] = implicit::kNowhere;
     for (; k < touched.size() && touched[k] >> 32 == i; ++k) {
       const auto patch = static_cast<std::uint32_t>(touched[k]);
-      (void)implicit::ballKernels().evaluatePatches(shape, {&patch, 1}, arrays(i), samples_[i].visible.data());
+      (void)implicit::ballKernels().evaluatePatches(shape, {&patch, 1}, arrays(i),
+                                                    samples_[i].visible.data());
     }
     columns_[kX][i] = list_[i].shape.ball().center.x;
   }
