@@ -166,6 +166,8 @@ def main():
     parser.add_argument("source_dir")
     parser.add_argument("shared_dir")
     parser.add_argument("--built", default="a program of unknown build")
+    parser.add_argument("--once", action="store_true",
+                        help="each SIMD level and thread count once for every log, for builds that are slow")
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
     table = Table(read_expected())
@@ -174,9 +176,11 @@ def main():
         highest = replay(options.program, all_sources[-1].log)["simd"]
         levels = SIMD_LEVELS[:SIMD_LEVELS.index(highest) + 1]
         print("built by %s; the processor has %s" % (options.built, ", ".join(levels)))
+        ways = [way for source in all_sources if source.full for way in ways_of(source, pool, options.program, scratch)]
+        for source in all_sources:
+            source.full = source.full and not options.once
         results = {(source.name, level, threads): pool.submit(replay, options.program, source.log, level, threads)
                    for source in all_sources for level, threads in source.variants(levels)}
-        ways = [way for source in all_sources if source.full for way in ways_of(source, pool, options.program, scratch)]
         compare_variants(table, all_sources, levels, results)
         compare_ways(table, ways)
     if options.write:
