@@ -189,11 +189,7 @@ void SurfelModel::appendTogether(std::span<const Primitive> primitives, const Ex
 
   const std::size_t first = list_.size();
   insertUnseen(first, primitives);
-  std::vector<Run> runs = runsOf(first, list_.size());
-  std::vector<std::uint16_t*> masks(samples_.size(), nullptr);
-  for (const Run& run : runs) masks[run.slot] = masksIn(run.slot);
-  evaluate(runs, masks, {}, execution);
-  take(runs);
+  evaluateInPlace(runsOf(first, list_.size()), execution);
 
   std::sort(older.begin(), older.end());
   std::vector<std::size_t> groups;
@@ -371,8 +367,7 @@ std::vector<SurfelModel::Run> SurfelModel::runsOf(std::size_t first, std::size_t
   return runs;
 }
 
-void SurfelModel::evaluate(std::span<Run> runs, std::span<std::uint16_t* const> masks, Prefix prefix,
-                           const Execution& execution) const {
+void SurfelModel::evaluate(std::span<Run> runs, Prefix prefix, const Execution& execution) const {
   const PrimitiveList::Label end = list_.labelEnd(prefix);
   const implicit::BallKernels& kernels = implicit::ballKernels();
   const auto evaluateRun = [&](Run& run, NearBalls& near) {
@@ -384,28 +379,26 @@ void SurfelModel::evaluate(std::span<Run> runs, std::span<std::uint16_t* const> 
     const std::uint32_t last = run.whole ? shape.tree->level[run.level].count : run.node + 1;
     std::size_t visible = 0;
     for (std::uint32_t node = first; node < last; ++node)
-      visible += kernels.evaluateNode(shape, run.level, node, near.arrays(), masks[run.slot]);
+      visible += kernels.evaluateNode(shape, run.level, node, near.arrays(), run.masks);
     run.visible = static_cast<std::uint32_t>(visible);
   };
   forEach(runs.size(), execution, [&](std::size_t i, NearBalls& near) { evaluateRun(runs[i], near); });
 }
 
-void SurfelModel::take(std::span<const Run> runs) {
-  for (const Run& run : runs) samples_[run.slot].visible += run.visible;
-  surfelCount_ = std::accumulate(runs.begin(), runs.end(), surfelCount_,
-                                 [](std::size_t sum, const Run& run) { return sum + run.visible; });
+// Of primitives whose samples do not count yet.
+void SurfelModel::evaluateInPlace(std::vector<Run> runs, const Execution& execution) {
+  for (Run& run : runs) run.masks = masksIn(run.slot);
+  evaluate(runs, {}, execution);
+  for (const Run& run : runs) {
+    samples_[run.slot].visible += run.visible;
+    surfelCount_ += run.visible;
+  }
 }
 
 void SurfelModel::rebuild(const Execution& execution) {
-  std::vector<Run> runs = runsOf(0, list_.size());
-  std::vector<std::uint16_t*> masks(samples_.size(), nullptr);
-  for (std::uint32_t slot = 0; slot < samples_.size(); ++slot) {
-    if (samples_[slot].patches != 0) masks[slot] = masksIn(slot);
-    samples_[slot].visible = 0;
-  }
+  for (Samples& s : samples_) s.visible = 0;
   surfelCount_ = 0;
-  evaluate(runs, masks, {}, execution);
-  take(runs);
+  evaluateInPlace(runsOf(0, list_.size()), execution);
 }
 
 ModelBytes SurfelModel::bytes() const {

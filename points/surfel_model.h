@@ -93,10 +93,11 @@ class SurfelModel {
   /// A run of patches of one primitive: the unit of parallel work.
   struct Run {
     std::uint32_t slot = 0;
-    int level = 0;              ///< of the tree
-    std::uint32_t node = 0;     ///< all nodes of the level when the primitive is small
-    bool whole = true;          ///< it is small
-    std::uint32_t visible = 0;  ///< samples: what came of it
+    int level = 0;                   ///< of the tree
+    std::uint32_t node = 0;          ///< all nodes of the level when the primitive is small
+    bool whole = true;               ///< it is small
+    std::uint32_t visible = 0;       ///< samples: what came of it
+    std::uint16_t* masks = nullptr;  ///< of the primitive, where it goes
   };
   using MasksBySlot = std::vector<const std::uint16_t*>;
   using FirstOf = std::vector<std::size_t>;  // by list position, and the end: which surfel is the first
@@ -120,9 +121,8 @@ class SurfelModel {
   static void markTouched(const implicit::SampledShape& shape, const Edits& edits, std::uint64_t touched,
                           std::span<std::uint16_t> blocks);
   std::ptrdiff_t evaluateTouch(const Edits& edits, const Touch& touch, implicit::NearBalls& near);
-  void evaluate(std::span<Run> runs, std::span<std::uint16_t* const> masks, implicit::Prefix prefix,
-                const Execution& execution) const;
-  void take(std::span<const Run> runs);
+  void evaluate(std::span<Run> runs, implicit::Prefix prefix, const Execution& execution) const;
+  void evaluateInPlace(std::vector<Run> runs, const Execution& execution);
   /// Calls f(i, near) for i from 0 to count - 1, on the execution's threads.
   template <class F>
   void forEach(std::size_t count, const Execution& execution, const F& f) const;

@@ -24,7 +24,8 @@ std::vector<std::uint16_t*> SurfelModel::evaluatePrefix(Prefix prefix, std::vect
     masks[slot] = next;
     next += samples_[slot].patches;
   }
-  evaluate(runs, masks, prefix, execution);
+  for (Run& run : runs) run.masks = masks[run.slot];
+  evaluate(runs, prefix, execution);
   return masks;
 }
 
