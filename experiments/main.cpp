@@ -203,11 +203,7 @@ struct RetargetCommand {
     object["cases"] = results.cases.size();
     object["trials"] = results.trials.size();
     object["advice"] = adviceOf(results);
-    object["claims"] = nlohmann::ordered_json::array();
-    for (const Claim& claim : claims(results))
-      object["claims"].push_back({{"claim", claim.text},
-                                  {"measured", claim.measured},
-                                  {"holds", claim.holds ? nlohmann::ordered_json(*claim.holds) : nullptr}});
+    object["claims"] = jsonOf(claims(results));
     object["notes"] = results.notes;
     common.say(fmt::format("report: {}\n", (fs::path(out) / "report.html").string()));
     common.finish(object);
@@ -276,11 +272,7 @@ struct ScalingCommand {
     nlohmann::ordered_json object = {
         {"experiment", "scaling"}, {"out", out}, {"smoke", smoke}, {"files", written}};
     object["rows"] = results.rows.size();
-    object["claims"] = nlohmann::ordered_json::array();
-    for (const ScalingClaim& claim : claims(results))
-      object["claims"].push_back({{"claim", claim.text},
-                                  {"measured", claim.measured},
-                                  {"holds", claim.holds ? nlohmann::ordered_json(*claim.holds) : nullptr}});
+    object["claims"] = jsonOf(claims(results));
     object["notes"] = results.notes;
     common.say(fmt::format("report: {}\n", (fs::path(out) / "report.html").string()));
     common.finish(object);

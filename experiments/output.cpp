@@ -61,6 +61,15 @@ std::string rowsText(const Setup& setup, const Json& rows) {
   return text + "]}\n";
 }
 
+Json jsonOf(std::span<const Claim> claims) {
+  Json array = Json::array();
+  for (const Claim& claim : claims)
+    array.push_back({{"claim", claim.text},
+                     {"measured", claim.measured},
+                     {"holds", claim.holds ? Json(*claim.holds) : Json(nullptr)}});
+  return array;
+}
+
 void makeFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);

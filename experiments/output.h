@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +37,15 @@ struct Setup {
 
 /// Rows, one a line: short for programs, and a difference between two files shows which row it is in.
 [[nodiscard]] std::string rowsText(const Setup& setup, const Json& rows);
+
+/// What SPEC, hypothesis and targets promise, with what was measured.
+struct Claim {
+  std::string text;
+  std::string measured;
+  std::optional<bool> holds;  ///< nothing: nothing was measured for it
+};
+/// An array of claim, measured, holds (or null).
+[[nodiscard]] Json jsonOf(std::span<const Claim> claims);
 
 /// Makes the folder, and those above it, unless it is there. Throws InputError when it cannot be made or
 /// written.

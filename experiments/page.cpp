@@ -76,6 +76,19 @@ std::string figureHtml(std::string_view svg, std::string_view caption) {
                      escapeHtml(caption), dataUri("image/svg+xml", svg), escapeHtml(caption));
 }
 
+std::string claimsSection(std::span<const Claim> claims) {
+  std::string html =
+      "<h2>Promised and measured</h2>\n<div class=wide><table class=left>\n<tr><th>promised</th><th "
+      "class=able>holds</th><th class=able>measured</th></tr>\n";
+  for (const Claim& claim : claims)
+    html += fmt::format(
+        "<tr><td style=\"white-space:normal\">{}</td><td class=able>{}</td><td "
+        "style=\"white-space:normal\">{}</td></tr>\n",
+        escapeHtml(claim.text), claim.holds ? (*claim.holds ? "yes" : "<b>no</b>") : "not tried",
+        escapeHtml(claim.measured));
+  return html + "</table></div>\n";
+}
+
 std::string originSection(const Setup& setup, const Provenance& p,
                           std::span<const std::pair<std::string, std::string>> inputs) {
   std::string html = "<h2>Where this comes from</h2>\n<dl>\n";

@@ -19,6 +19,9 @@ namespace restroke::experiments {
 /// An SVG file's text as a figure; nothing for an empty text.
 [[nodiscard]] std::string figureHtml(std::string_view svg, std::string_view caption);
 
+/// "Promised and measured", a row for each claim.
+[[nodiscard]] std::string claimsSection(std::span<const Claim> claims);
+
 /// "Where this comes from", with a line for each input (file name, hash).
 [[nodiscard]] std::string originSection(const Setup& setup, const Provenance& p,
                                         std::span<const std::pair<std::string, std::string>> inputs);

@@ -149,19 +149,6 @@ std::string adviceSection(const RetargetResults& results) {
              100 * kUsableLost);
 }
 
-std::string claimsSection(const RetargetResults& results) {
-  std::string html =
-      "<h2>Promised and measured</h2>\n<div class=wide><table class=left>\n<tr><th>promised</th><th "
-      "class=able>holds</th><th class=able>measured</th></tr>\n";
-  for (const Claim& claim : claims(results))
-    html += fmt::format(
-        "<tr><td style=\"white-space:normal\">{}</td><td class=able>{}</td><td "
-        "style=\"white-space:normal\">{}</td></tr>\n",
-        escapeHtml(claim.text), claim.holds ? (*claim.holds ? "yes" : "<b>no</b>") : "not tried",
-        escapeHtml(claim.measured));
-  return html + "</table></div>\n";
-}
-
 std::string kindTable(const RetargetResults& results, const std::vector<RetargetSummary>& all,
                       const char* group, ChangeKind kind) {
   std::string html = fmt::format("<div class=wide><table>\n<tr><th>{}</th>", infoOf(kind).unit);
@@ -365,7 +352,7 @@ std::string retargetReport(const RetargetResults& results, const ReportImages& i
       "has become, and is compared with where the map takes them. What is lost, and how far strokes are off "
       "the surface, "
       "is measured as well.</p>\n";
-  html += adviceSection(results) + claimsSection(results);
+  html += adviceSection(results) + claimsSection(claims(results));
   html += figureHtml(images.tellingSvg,
                      "Median RMS error against the strength of the change, bases that tell their motion.");
   html += figureHtml(images.symmetricSvg, "The same for bases that hide motions by their symmetry.");

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/output.h"
 #include "experiments/retarget.h"
 
 namespace restroke::experiments {
@@ -80,12 +81,7 @@ inline constexpr const char* kAllLogs = "(all)";
 /// for nothing. NaN for none.
 [[nodiscard]] double quantile(std::vector<double> values, double q);
 
-/// What SPEC and hypothesis promise, with what was measured.
-struct Claim {
-  std::string text;
-  std::string measured;
-  std::optional<bool> holds;  ///< nothing: nothing was measured for it
-};
+/// What SPEC and hypothesis promise.
 [[nodiscard]] std::vector<Claim> claims(const RetargetResults& results);
 
 }  // namespace restroke::experiments

@@ -80,11 +80,7 @@ Json manifestOf(const ScalingResults& results, const ScalingOptions& options, co
   manifest["inputs"] = Json::array();
   for (const auto& [file, hash] : results.inputs)
     manifest["inputs"].push_back({{"file", file}, {"hash", hash}});
-  manifest["claims"] = Json::array();
-  for (const ScalingClaim& claim : claims(results))
-    manifest["claims"].push_back({{"claim", claim.text},
-                                  {"measured", claim.measured},
-                                  {"holds", claim.holds ? Json(*claim.holds) : Json(nullptr)}});
+  manifest["claims"] = jsonOf(claims(results));
   manifest["notes"] = results.notes;
   return manifest;
 }

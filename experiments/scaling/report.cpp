@@ -146,19 +146,6 @@ std::string pictureSection(const ScalingResults& results, const ScalingImages& i
   return html.empty() ? html : "<h2>What it looks like</h2>\n" + html;
 }
 
-std::string claimsSection(const ScalingResults& results) {
-  std::string html =
-      "<h2>Promised and measured</h2>\n<div class=wide><table class=left>\n<tr><th>promised</th><th "
-      "class=able>holds</th><th class=able>measured</th></tr>\n";
-  for (const ScalingClaim& claim : claims(results))
-    html += fmt::format(
-        "<tr><td style=\"white-space:normal\">{}</td><td class=able>{}</td><td "
-        "style=\"white-space:normal\">{}</td></tr>\n",
-        escapeHtml(claim.text), claim.holds ? (*claim.holds ? "yes" : "<b>no</b>") : "not tried",
-        escapeHtml(claim.measured));
-  return html + "</table></div>\n";
-}
-
 const char* explanationOf(Sweep sweep) {
   switch (sweep) {
     case Sweep::Extent:
@@ -197,12 +184,12 @@ std::string_view figureOf(Sweep sweep) {
   return sweep == Sweep::Extent || sweep == Sweep::Detail ? "primitives" : infoOf(sweep).name;
 }
 
-std::vector<ScalingClaim> claims(const ScalingResults& results) {
-  std::vector<ScalingClaim> out;
+std::vector<Claim> claims(const ScalingResults& results) {
+  std::vector<Claim> out;
   constexpr double kMillion = 1'000'000;
   for (const Sweep sweep : {Sweep::Extent, Sweep::Detail}) {
     const ScalingRow *small = find(results, sweep, 1000), *large = find(results, sweep, kMillion);
-    ScalingClaim claim{
+    Claim claim{
         fmt::format("{}: the median stamp at 1,000,000 primitives costs at most 2 times that at 1,000",
                     infoOf(sweep).name),
         "",
@@ -215,12 +202,11 @@ std::vector<ScalingClaim> claims(const ScalingResults& results) {
                                    number(large->measured.met), number(small->measured.met));
     }
     out.push_back(claim);
-    ScalingClaim big{
-        fmt::format("{}: 1,000,000 primitives and at least 10,000,000 surfels are replayed, undone in "
-                    "the middle and drawn",
-                    infoOf(sweep).name),
-        "",
-        {}};
+    Claim big{fmt::format("{}: 1,000,000 primitives and at least 10,000,000 surfels are replayed, undone in "
+                          "the middle and drawn",
+                          infoOf(sweep).name),
+              "",
+              {}};
     if (large != nullptr) {
       const Measured& m = large->measured;
       big.holds = m.surfels >= 10'000'000 && m.undone > 0 && m.picture.has_value();
@@ -233,12 +219,11 @@ std::vector<ScalingClaim> claims(const ScalingResults& results) {
     }
     out.push_back(big);
   }
-  ScalingClaim frame{
-      fmt::format("the paper’s size: a stroke’s last stamp, listing and picture within a 60th of a "
-                  "second ({:.1f} ms)",
-                  kPaperFrame),
-      "",
-      {}};
+  Claim frame{fmt::format("the paper’s size: a stroke’s last stamp, listing and picture within a 60th of a "
+                          "second ({:.1f} ms)",
+                          kPaperFrame),
+              "",
+              {}};
   if (const ScalingRow* row = find(results, Sweep::Surfels, static_cast<double>(kPaperSurfels));
       row != nullptr && row->measured.picture && row->measured.listing) {
     const double all = row->measured.stampMedian / 1000 + *row->measured.listing + *row->measured.picture;
@@ -265,7 +250,7 @@ std::string scalingTable(const ScalingResults& results) {
       }
       text += alignedTable(lines) + "\n";
     }
-  for (const ScalingClaim& claim : claims(results))
+  for (const Claim& claim : claims(results))
     text +=
         fmt::format("{}: {}{}{}\n", claim.holds ? (*claim.holds ? "holds" : "DOES NOT HOLD") : "not tried",
                     claim.text, claim.measured.empty() ? "" : ": ", claim.measured);
@@ -290,7 +275,7 @@ std::string scalingReport(const ScalingResults& results, const ScalingImages& im
       "and after "
       "a rebuild, was the one before, bit for bit.</p>\n",
       results.rows.size(), grouped(most), grouped(surfels), results.simd, results.threads);
-  html += claimsSection(results);
+  html += claimsSection(claims(results));
   html += "<h2>Growth</h2>\n<p>Each figure divided by that at 1,000 primitives.</p>\n";
   html += growthTable(results, Sweep::Extent) + growthTable(results, Sweep::Detail);
   std::string_view drawn;

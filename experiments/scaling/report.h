@@ -1,7 +1,6 @@
 #pragma once
 // What the scaling experiment says: promises with what was measured, tables, the page.
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,13 +18,8 @@ namespace restroke::experiments {
 /// The figure that a sweep is drawn in.
 [[nodiscard]] std::string_view figureOf(Sweep sweep);
 
-/// What hypothesis and targets promise, with what was measured.
-struct ScalingClaim {
-  std::string text;
-  std::string measured;
-  std::optional<bool> holds;  ///< nothing: not tried at this size
-};
-[[nodiscard]] std::vector<ScalingClaim> claims(const ScalingResults& results);
+/// What hypothesis and targets promise.
+[[nodiscard]] std::vector<Claim> claims(const ScalingResults& results);
 
 /// All rows as text, sweep by sweep, and the claims.
 [[nodiscard]] std::string scalingTable(const ScalingResults& results);
