@@ -40,9 +40,7 @@ EGLDisplay sharedDisplay() {
 }  // namespace
 
 EglContext::EglContext() : display_(sharedDisplay()) {
-  // The API that eglCreateContext makes contexts of is a state of the thread.
-  const EGLenum formerApi = eglQueryAPI();
-  if (!eglBindAPI(EGL_OPENGL_API)) fail("eglBindAPI");
+  const ThreadState former;
   const EGLint configAttributes[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
   EGLConfig config = nullptr;
   EGLint count = 0;
@@ -55,36 +53,38 @@ EglContext::EglContext() : display_(sharedDisplay()) {
                                       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                       EGL_NONE};
   context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, contextAttributes);
-  const bool made = context_ != EGL_NO_CONTEXT;
-  if (!made) {
-    eglBindAPI(formerApi);
-    fail("eglCreateContext");
-  }
-  eglBindAPI(formerApi);
+  if (context_ == EGL_NO_CONTEXT) fail("eglCreateContext");
 }
 
 EglContext::~EglContext() {
   if (context_) eglDestroyContext(display_, context_);
 }
 
-EglContext::Current::Current(const EglContext& context) : context_(context), formerApi_(eglQueryAPI()) {
+EglContext::ThreadState::ThreadState()
+    : api_(eglQueryAPI()),
+      display_(eglGetCurrentDisplay()),
+      context_(eglGetCurrentContext()),
+      draw_(eglGetCurrentSurface(EGL_DRAW)),
+      read_(eglGetCurrentSurface(EGL_READ)) {
+  // The API that eglCreateContext makes contexts of is a state of the thread.
   if (!eglBindAPI(EGL_OPENGL_API)) fail("eglBindAPI");
-  formerDisplay_ = eglGetCurrentDisplay();
-  formerContext_ = eglGetCurrentContext();
-  formerDraw_ = eglGetCurrentSurface(EGL_DRAW);
-  formerRead_ = eglGetCurrentSurface(EGL_READ);
-  if (!eglMakeCurrent(context.display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context.context_)) {
-    eglBindAPI(formerApi_);
-    fail("eglMakeCurrent");
-  }
 }
 
-EglContext::Current::~Current() {
-  if (formerContext_ != EGL_NO_CONTEXT)
-    eglMakeCurrent(formerDisplay_, formerDraw_, formerRead_, formerContext_);
-  else
-    eglMakeCurrent(context_.display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-  eglBindAPI(formerApi_);
+EglContext::ThreadState::~ThreadState() {
+  if (context_ != EGL_NO_CONTEXT) {
+    eglMakeCurrent(display_, draw_, read_, context_);
+    eglBindAPI(api_);
+    return;
+  }
+  // libEGL would free what it keeps for this thread both when the thread ends and when the process does, and
+  // where those come together it frees it twice (libglvnd 1.6).
+  eglReleaseThread();
+  if (api_ != eglQueryAPI()) eglBindAPI(api_);
+}
+
+EglContext::Current::Current(const EglContext& context) {
+  if (!eglMakeCurrent(context.display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context.context_))
+    fail("eglMakeCurrent");
 }
 
 }  // namespace restroke::points

@@ -13,21 +13,27 @@ class EglContext {
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
+  /// What EGL knows of the calling thread, as it is put back at the end; a thread that had no context keeps
+  /// nothing of EGL's.
+  class ThreadState {
+   public:
+    ThreadState();
+    ~ThreadState();
+    ThreadState(const ThreadState&) = delete;
+    ThreadState& operator=(const ThreadState&) = delete;
+
+   private:
+    unsigned api_;
+    void *display_, *context_, *draw_, *read_;
+  };
+
   /// Makes the context current on the calling thread; what was current there before is so again at the end.
   class Current {
    public:
     explicit Current(const EglContext& context);
-    ~Current();
-    Current(const Current&) = delete;
-    Current& operator=(const Current&) = delete;
 
    private:
-    const EglContext& context_;
-    void* formerDisplay_;
-    void* formerContext_;
-    void* formerDraw_;
-    void* formerRead_;
-    unsigned formerApi_;
+    ThreadState former_;
   };
 
  private:

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <latch>
 #include <memory>
 #include <thread>
 
@@ -150,6 +152,26 @@ TEST_F(GlRendererTest, SeveralRenderersOnSeveralThreadsGiveTheSame) {
   for (std::thread& thread : threads) thread.join();
   for (const DepthImage& result : results) EXPECT_EQ(result.depth, expected.depth);
   EXPECT_FALSE(other.driver().empty());
+}
+
+// Draws on many threads, then ends the process while these threads end.
+[[noreturn]] void drawAndExit() {
+  static GlRenderer renderer;
+  constexpr int kThreads = 48;
+  std::latch drawn(kThreads);
+  for (int i = 0; i < kThreads; ++i)
+    std::thread([&] {
+      static_cast<void>(renderer.renderDepth({}, cameraAt(4, 2, 2)));
+      drawn.arrive_and_wait();
+    }).detach();
+  drawn.wait();
+  std::exit(0);
+}
+
+// libEGL frees what it holds for each thread both when the thread ends and when the process does.
+TEST_F(GlRendererTest, TheProcessMayEndWhileThreadsThatDrewEnd) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  for (int i = 0; i < 20; ++i) EXPECT_EXIT(drawAndExit(), ::testing::ExitedWithCode(0), "");
 }
 
 TEST_F(GlRendererTest, RefusesOptionsAndViewportsOutOfRange) {
