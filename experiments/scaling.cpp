@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "experiments/provenance.h"
-#include "experiments/scaling/process_memory.h"
+#include "implicit/process_memory.h"
 #include "experiments/shipped.h"
 #include "experiments/text.h"
 #include "implicit/errors.h"

@@ -12,7 +12,7 @@
 #include <set>
 
 #include "experiments/output.h"
-#include "experiments/scaling/process_memory.h"
+#include "implicit/process_memory.h"
 #include "experiments/scaling/report.h"
 #include "implicit/errors.h"
 #include "tests/experiments/folder.h"

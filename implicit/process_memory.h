@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-namespace restroke::experiments {
+namespace restroke {
 
 /// Bytes of this process in memory now; 0 where the system does not say (/proc/self/status).
 [[nodiscard]] std::size_t residentBytes();
@@ -16,4 +16,4 @@ void resetPeak();
 /// whichever is less. Nothing where neither is told.
 [[nodiscard]] std::optional<std::size_t> availableBytes();
 
-}  // namespace restroke::experiments
+}  // namespace restroke

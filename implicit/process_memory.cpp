@@ -1,4 +1,4 @@
-#include "experiments/scaling/process_memory.h"
+#include "implicit/process_memory.h"
 
 #include <malloc.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-namespace restroke::experiments {
+namespace restroke {
 namespace {
 
 /// The number behind `key:` in a file of lines "key:  number kB"; 0 when there is none.
@@ -52,4 +52,4 @@ std::optional<std::size_t> availableBytes() {
   return available;
 }
 
-}  // namespace restroke::experiments
+}  // namespace restroke
