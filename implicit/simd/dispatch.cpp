@@ -66,15 +66,7 @@ void useSimdLevel(SimdLevel level) {
 }
 
 const BallKernels& ballKernels(SimdLevel level) {
-  switch (level) {
-    case SimdLevel::Avx512:
-      return kBallKernelsAvx512;
-    case SimdLevel::Avx2:
-      return kBallKernelsAvx2;
-    case SimdLevel::Sse2:
-      break;
-  }
-  return kBallKernelsSse2;
+  return chosen(level, kBallKernelsSse2, kBallKernelsAvx2, kBallKernelsAvx512);
 }
 
 const BallKernels& ballKernels() {
@@ -82,15 +74,7 @@ const BallKernels& ballKernels() {
 }
 
 const RayKernels& rayKernels(SimdLevel level) {
-  switch (level) {
-    case SimdLevel::Avx512:
-      return kRayKernelsAvx512;
-    case SimdLevel::Avx2:
-      return kRayKernelsAvx2;
-    case SimdLevel::Sse2:
-      break;
-  }
-  return kRayKernelsSse2;
+  return chosen(level, kRayKernelsSse2, kRayKernelsAvx2, kRayKernelsAvx512);
 }
 
 const RayKernels& rayKernels() {

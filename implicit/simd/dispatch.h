@@ -23,4 +23,11 @@ enum class SimdLevel { Sse2, Avx2, Avx512 };
 /// lacks it.
 void useSimdLevel(SimdLevel level);
 
+/// Of three tables of kernels the level's.
+template <class Kernels>
+[[nodiscard]] const Kernels& chosen(SimdLevel level, const Kernels& sse2, const Kernels& avx2,
+                                    const Kernels& avx512) {
+  return level == SimdLevel::Avx512 ? avx512 : level == SimdLevel::Avx2 ? avx2 : sse2;
+}
+
 }  // namespace restroke::implicit

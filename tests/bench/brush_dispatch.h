@@ -7,15 +7,7 @@
 namespace restroke::bench {
 
 [[nodiscard]] inline const BrushKernels& brushKernels() {
-  switch (implicit::simdLevel()) {
-    case implicit::SimdLevel::Avx512:
-      return kBrushKernelsAvx512;
-    case implicit::SimdLevel::Avx2:
-      return kBrushKernelsAvx2;
-    case implicit::SimdLevel::Sse2:
-      break;
-  }
-  return kBrushKernelsSse2;
+  return implicit::chosen(implicit::simdLevel(), kBrushKernelsSse2, kBrushKernelsAvx2, kBrushKernelsAvx512);
 }
 
 }  // namespace restroke::bench

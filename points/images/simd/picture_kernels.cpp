@@ -5,15 +5,8 @@ namespace restroke::points {
 extern const PictureKernels kPictureKernelsSse2, kPictureKernelsAvx2, kPictureKernelsAvx512;
 
 const PictureKernels& pictureKernels() {
-  switch (implicit::simdLevel()) {
-    case implicit::SimdLevel::Avx512:
-      return kPictureKernelsAvx512;
-    case implicit::SimdLevel::Avx2:
-      return kPictureKernelsAvx2;
-    case implicit::SimdLevel::Sse2:
-      break;
-  }
-  return kPictureKernelsSse2;
+  return implicit::chosen(implicit::simdLevel(), kPictureKernelsSse2, kPictureKernelsAvx2,
+                          kPictureKernelsAvx512);
 }
 
 }  // namespace restroke::points

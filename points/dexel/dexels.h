@@ -1,0 +1,103 @@
+#pragma once
+// The dexels of many lines: which stretches of each are inside a solid (SPEC D3, R1).
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "points/dexel/span_end.h"
+
+namespace restroke::points {
+
+/// Spans on width x height lines, in rows. What the lines are in space is not known here: the same container
+/// serves parallel lines and the rays of a frustum.
+///
+/// The first span of each line is held in arrays over all lines, so that kernels can compare many at a time;
+/// the few others of a row are in a pool of that row. 36 bytes a line (20 without operations), and 16 for
+/// each end beyond the first two. Different rows may be changed by different threads.
+class Dexels {
+ public:
+  struct Options {
+    /// Keeps SpanEnd::inner and outer; without, they read as None.
+    bool operations = true;
+  };
+  /// All lines empty. width, height >= 0.
+  Dexels(int width, int height, Options options);
+  Dexels() = default;
+
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] std::size_t lineCount() const { return enter_.size(); }
+  [[nodiscard]] bool keepsOperations() const { return !operations_[0].empty(); }
+
+  [[nodiscard]] std::size_t lineAt(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(column);
+  }
+
+  [[nodiscard]] bool isEmpty(std::size_t line) const { return enter_[line] > exit_[line]; }
+  /// Has it more than one span?
+  [[nodiscard]] bool hasMore(std::size_t line) const { return more_[line] != kNoMore; }
+  [[nodiscard]] std::size_t endCount(std::size_t line) const;
+  /// `ends` becomes the line's.
+  void read(std::size_t line, LineEnds& ends) const;
+  /// An even number of ends, strictly ascending in depth, finite.
+  void write(std::size_t line, std::span<const SpanEnd> ends);
+  /// changeLine (span_end.h), in place.
+  bool change(std::size_t line, const ToolSpan& span, bool fills, OperationId id);
+  /// Is the depth in a span of the line, ends included? O(spans).
+  [[nodiscard]] bool contains(std::size_t line, float depth) const;
+
+  /// Ends of all lines. O(lines).
+  [[nodiscard]] std::size_t endCount() const;
+  /// Sum of the lengths of all spans, in order. O(lines).
+  [[nodiscard]] double totalLength() const;
+  /// Bytes held, from the containers' capacity.
+  [[nodiscard]] std::size_t bytes() const;
+  /// Same lines with the same ends, bit for bit.
+  bool operator==(const Dexels& other) const;
+
+  /// For kernels, line by line: its span; of a line with several, from the first entry to the last exit, and
+  /// nothing else. An empty line enters at +infinity and leaves at -infinity.
+  struct Hulls {
+    float *enter, *exit;
+    PackedNormal *enterNormal, *exitNormal;
+    OperationId *enterInner, *enterOuter, *exitInner, *exitOuter;  ///< null without operations
+    const std::uint32_t* more;  ///< kNoMore: the line has not several spans
+  };
+  static constexpr std::uint32_t kNoMore = 0xffffffffu;
+  [[nodiscard]] Hulls hulls();
+  struct ConstHulls {
+    const float *enter, *exit;
+    const PackedNormal *enterNormal, *exitNormal;
+    const std::uint32_t* more;
+  };
+  [[nodiscard]] ConstHulls hulls() const {
+    return {enter_.data(), exit_.data(), enterNormal_.data(), exitNormal_.data(), more_.data()};
+  }
+
+ private:
+  // Ends of lines with several spans: places for 4, 8, ... of them, each after a head whose `inner` says how
+  // many there are and whose `outer` for how many there is room.
+  struct Row {
+    std::vector<SpanEnd> pool;
+    std::vector<std::vector<std::uint32_t>> free;  // places by the logarithm of their room
+  };
+  class Ends;
+  [[nodiscard]] Row& rowOf(std::size_t line) { return rows_[line / static_cast<std::size_t>(width_)]; }
+  [[nodiscard]] std::span<const SpanEnd> severalOf(std::size_t line) const;
+  [[nodiscard]] SpanEnd endOf(std::size_t line, bool exit) const;
+  void setEnd(std::size_t line, bool exit, const SpanEnd& end);
+  [[nodiscard]] SpanEnd* takePlace(std::size_t line, std::size_t count);
+  void givePlaceBack(std::size_t line);
+
+  int width_ = 0, height_ = 0;
+  std::vector<float> enter_, exit_;
+  std::vector<PackedNormal> enterNormal_, exitNormal_;
+  std::vector<OperationId> operations_[4];  // enter: inner, outer; exit: inner, outer
+  std::vector<std::uint32_t> more_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace restroke::points

@@ -1,0 +1,405 @@
+#include "points/dexel/tri_dexel.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "implicit/errors.h"
+#include "implicit/parallel.h"
+#include "points/dexel/simd/span_kernels.h"
+
+namespace restroke::points {
+
+namespace {
+
+using implicit::Primitive;
+using implicit::Shape;
+using implicit::Sign;
+using implicit::Sphere;
+
+// Fewer lines than this are not worth waking other threads for.
+constexpr double kFewLines = 20'000;
+// Rows that one thread works on at a time: what they hold stays in its cache while primitives pass over them.
+constexpr int kBand = 8;
+
+constexpr std::size_t kLanes = SpanKernels::kLanes;
+
+// Arrays for the columns of a row, read and written beyond their end by kernels.
+struct RowArrays {
+  alignas(64) float enter[kLanes], exit[kLanes], halves[kLanes];
+};
+
+// One family's rows under a sequence of operations.
+class FamilyRows {
+ public:
+  // `columns`: coordinates of the columns, and so many more as kernels may read.
+  FamilyRows(const DexelGrid& grid, int axis, Dexels& dexels, std::span<const float> columns)
+      : grid_(grid),
+        axis_(axis),
+        u_((axis + 1) % 3),
+        v_((axis + 2) % 3),
+        dexels_(dexels),
+        hulls_(dexels.hulls()),
+        columns_(columns) {}
+
+  [[nodiscard]] int height() const { return dexels_.height(); }
+
+  // Rows of a box.
+  struct Range {
+    int begin = 0, end = 0;
+  };
+  [[nodiscard]] Range rowsOf(const Box& box) const { return range(v_, box); }
+  [[nodiscard]] Range columnsOf(const Box& box) const { return range(u_, box); }
+
+  void apply(const Primitive& primitive, OperationId id, Range rows) {
+    if (primitive.shape.isSphere())
+      applyBall(primitive.shape.ball(), primitive.sign, id, rows);
+    else
+      applyVolume(*primitive.shape.volume(), primitive.sign, id, rows);
+  }
+
+  // Against the same lines of another solid.
+  void apply(const Dexels& other, DexelOperation operation, OperationId id, int row) {
+    const Dexels::ConstHulls tool = other.hulls();
+    const std::size_t begin = dexels_.lineAt(0, row), end = begin + static_cast<std::size_t>(dexels_.width());
+    LineEnds ends, toolEnds;
+    std::vector<ToolSpan> spans;
+    for (std::size_t line = begin; line < end; line += kLanes) {
+      const std::size_t count = std::min(kLanes, end - line);
+      for (std::uint64_t bits =
+               changed(operation, line, tool.enter + line, tool.exit + line, tool.more + line, count);
+           bits != 0; bits &= bits - 1) {
+        const std::size_t at = line + static_cast<std::size_t>(std::countr_zero(bits));
+        if (tool.more[at] == Dexels::kNoMore && operation != DexelOperation::Intersection) {
+          const bool turned = operation == DexelOperation::Subtraction;
+          const auto normal = [&](PackedNormal n) { return (turned ? turnedAround(n) : n) & ~kPackedFlag; };
+          applySpan(
+              at, {tool.enter[at], tool.exit[at], normal(tool.enterNormal[at]), normal(tool.exitNormal[at])},
+              operation == DexelOperation::Union, id);
+          continue;
+        }
+        other.read(at, toolEnds);
+        spans.clear();
+        for (std::size_t i = 0; i < toolEnds.size(); i += 2)
+          spans.push_back({toolEnds[i].depth, toolEnds[i + 1].depth, toolEnds[i].normal & ~kPackedFlag,
+                           toolEnds[i + 1].normal & ~kPackedFlag});
+        dexels_.read(at, ends);
+        if (applyToLine(ends, spans, operation, id)) dexels_.write(at, ends);
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] Range range(int axis, const Box& box) const {
+    const int begin = grid_.firstFrom(axis, static_cast<double>(box.min[axis]));
+    int end = grid_.firstFrom(axis, static_cast<double>(box.max[axis]));
+    const int count = grid_.counts()[static_cast<std::size_t>(axis)];
+    while (end < count && !(grid_.at(axis, end) > box.max[axis])) ++end;
+    return {begin, end};
+  }
+
+  [[nodiscard]] std::uint64_t changed(DexelOperation operation, std::size_t line, const float* toolEnter,
+                                      const float* toolExit, const std::uint32_t* toolMore,
+                                      std::size_t count) const {
+    const SpanLanes lanes{hulls_.enter + line, hulls_.exit + line, hulls_.more + line, toolEnter, toolExit};
+    std::uint64_t bits = 0;
+    switch (operation) {
+      case DexelOperation::Union:
+        bits = kernels_.changedByUnion(lanes, count);
+        break;
+      case DexelOperation::Subtraction:
+        bits = kernels_.changedBySubtraction(lanes, count);
+        break;
+      case DexelOperation::Intersection:
+        for (std::size_t i = 0; i < count; ++i)
+          if (lanes.enter[i] <= lanes.exit[i] &&
+              !(toolEnter[i] <= lanes.enter[i] && toolExit[i] >= lanes.exit[i] &&
+                lanes.more[i] == Dexels::kNoMore))
+            bits |= std::uint64_t{1} << i;
+        break;
+    }
+    if (toolMore)
+      for (std::size_t i = 0; i < count; ++i)
+        if (toolMore[i] != Dexels::kNoMore) bits |= std::uint64_t{1} << i;
+    return bits;
+  }
+
+  void applyBall(const Sphere& ball, Sign sign, OperationId id, Range rows) {
+    const double r = static_cast<double>(ball.radius);
+    const double cu = static_cast<double>(ball.center[u_]), cv = static_cast<double>(ball.center[v_]),
+                 cz = static_cast<double>(ball.center[axis_]);
+    const bool fills = sign == Sign::Positive;
+    const DexelOperation operation = fills ? DexelOperation::Union : DexelOperation::Subtraction;
+    const float side = fills ? 1.0f : -1.0f;
+    RowArrays row;
+    for (int v = rows.begin; v < rows.end; ++v) {
+      const double dv = static_cast<double>(grid_.at(v_, v)) - cv;
+      const BallRow at{cu, cz, r * r - dv * dv};
+      if (!(at.square > 0)) continue;
+      const double chord = std::sqrt(at.square);
+      const int begin = grid_.firstFrom(u_, cu - chord), end = grid_.firstFrom(u_, cu + chord);
+      for (int u = begin; u < end; u += static_cast<int>(kLanes)) {
+        const std::size_t count = std::min(kLanes, static_cast<std::size_t>(end - u));
+        kernels_.ballRow(at, columns_.data() + u, count, row.enter, row.exit, row.halves);
+        const std::size_t line = dexels_.lineAt(u, v);
+        for (std::uint64_t bits = changed(operation, line, row.enter, row.exit, nullptr, count); bits != 0;
+             bits &= bits - 1) {
+          const auto i = static_cast<std::size_t>(std::countr_zero(bits));
+          const float nu = side * static_cast<float>(
+                                      static_cast<double>(columns_[static_cast<std::size_t>(u) + i]) - cu),
+                      nv = side * static_cast<float>(dv), nz = side * row.halves[i];
+          applySpan(line + i, {row.enter[i], row.exit[i], pack(nu, nv, -nz), pack(nu, nv, nz)}, fills, id);
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] PackedNormal pack(float u, float v, float z) const {
+    Vec3 n;
+    n[u_] = u;
+    n[v_] = v;
+    n[axis_] = z;
+    return packNormal(n);
+  }
+
+  // One span, whose normals are those that the solid gets.
+  void applySpan(std::size_t line, const ToolSpan& span, bool fills, OperationId id) {
+    if (!dexels_.hasMore(line) && (fills ? fillOne(line, span, id) : clearOne(line, span, id))) return;
+    dexels_.change(line, span, fills, id);
+  }
+
+  // What most lines need, without the way through a list of ends: a span is shortened or goes, or is made
+  // longer. False: nothing was done.
+  bool clearOne(std::size_t line, const ToolSpan& span, OperationId id) {
+    float &enter = hulls_.enter[line], &exit = hulls_.exit[line];
+    if (!(span.enter < exit && span.exit > enter)) return true;
+    if (span.enter <= enter) {
+      if (span.exit >= exit) {
+        enter = std::numeric_limits<float>::infinity();
+        exit = -std::numeric_limits<float>::infinity();
+        return true;
+      }
+      if (hulls_.enterInner) {
+        if (exit - span.exit < span.exit - enter) hulls_.enterInner[line] = hulls_.exitInner[line];
+        hulls_.enterOuter[line] = id;
+      }
+      enter = span.exit;
+      hulls_.enterNormal[line] = span.exitNormal | kPackedFlag;
+      return true;
+    }
+    if (span.exit < exit) return false;  // it splits
+    if (hulls_.enterInner) {
+      if (!(exit - span.enter < span.enter - enter)) hulls_.exitInner[line] = hulls_.enterInner[line];
+      hulls_.exitOuter[line] = id;
+    }
+    exit = span.enter;
+    hulls_.exitNormal[line] = span.enterNormal | kPackedFlag;
+    return true;
+  }
+
+  bool fillOne(std::size_t line, const ToolSpan& span, OperationId id) {
+    float &enter = hulls_.enter[line], &exit = hulls_.exit[line];
+    if (dexels_.isEmpty(line) || span.enter > exit || span.exit < enter) return false;
+    if (span.enter < enter) {
+      enter = span.enter;
+      hulls_.enterNormal[line] = span.enterNormal | kPackedFlag;
+      if (hulls_.enterInner) hulls_.enterInner[line] = id;
+    }
+    if (span.exit > exit) {
+      exit = span.exit;
+      hulls_.exitNormal[line] = span.exitNormal | kPackedFlag;
+      if (hulls_.enterInner) hulls_.exitInner[line] = id;
+    }
+    return true;
+  }
+
+  void applyVolume(const implicit::PosedVolume& volume, Sign sign, OperationId id, Range rows) {
+    const Range columns = columnsOf(volume.bounds());
+    std::vector<RayInterval> intervals;
+    const bool fills = sign == Sign::Positive;
+    for (int v = rows.begin; v < rows.end; ++v)
+      for (int u = columns.begin; u < columns.end; ++u) {
+        DVec3 origin{0}, direction{0};
+        origin[u_] = static_cast<double>(grid_.at(u_, u));
+        origin[v_] = static_cast<double>(grid_.at(v_, v));
+        direction[axis_] = 1;
+        intervals.clear();
+        const Ray ray{origin, direction};
+        volume.intersect(ray, intervals);
+        for (const RayInterval& in : intervals) {
+          const auto normal = [&](double t) {
+            const DVec3 n = volume.outwardNormal(ray.at(t));
+            return packNormal(Vec3(fills ? n : -n));
+          };
+          const auto enter = static_cast<float>(in.enter), exit = static_cast<float>(in.exit);
+          if (enter < exit)
+            applySpan(dexels_.lineAt(u, v), {enter, exit, normal(in.enter), normal(in.exit)}, fills, id);
+        }
+      }
+  }
+
+  const DexelGrid& grid_;
+  int axis_, u_, v_;
+  Dexels& dexels_;
+  Dexels::Hulls hulls_;
+  const SpanKernels& kernels_ = spanKernels();
+  std::span<const float> columns_;
+};
+
+}  // namespace
+
+TriDexel::TriDexel(const DexelGrid& grid, Dexels::Options options) : grid_(grid) {
+  for (int axis = 0; axis < 3; ++axis) family(axis) = Dexels(grid.width(axis), grid.height(axis), options);
+  findCoordinates();
+}
+
+void TriDexel::findCoordinates() {
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    coordinates_[a].resize(static_cast<std::size_t>(grid_.counts()[a]) + kLanes);
+    for (std::size_t i = 0; i < coordinates_[a].size(); ++i)
+      coordinates_[a][i] = grid_.at(axis, static_cast<int>(i));
+  }
+}
+
+void TriDexel::apply(std::span<const Primitive> primitives, OperationId first, const Execution& execution) {
+  using Range = FamilyRows::Range;
+  for (int axis = 0; axis < 3; ++axis) {
+    FamilyRows rows(grid_, axis, family(axis), coordinates_[static_cast<std::size_t>((axis + 1) % 3)]);
+    std::vector<Range> ranges;
+    ranges.reserve(primitives.size());
+    double lines = 0;
+    for (const Primitive& primitive : primitives) {
+      const Box box = boundsOf(primitive.shape);
+      ranges.push_back(rows.rowsOf(box));
+      const Range columns = rows.columnsOf(box);
+      lines += static_cast<double>(ranges.back().end - ranges.back().begin) * (columns.end - columns.begin);
+    }
+    const auto band = [&](int begin, int end) {
+      FamilyRows own = rows;
+      for (std::size_t i = 0; i < primitives.size(); ++i) {
+        const Range part{std::max(begin, ranges[i].begin), std::min(end, ranges[i].end)};
+        if (part.begin < part.end)
+          own.apply(primitives[i], static_cast<OperationId>(static_cast<std::uint32_t>(first) + i), part);
+      }
+    };
+    if (lines < kFewLines) {
+      band(0, rows.height());
+      continue;
+    }
+    inArena(execution, [&] {
+      const int bands = (rows.height() + kBand - 1) / kBand;
+      tbb::parallel_for(0, bands, [&](int b) { band(b * kBand, std::min(rows.height(), (b + 1) * kBand)); });
+    });
+  }
+}
+
+void TriDexel::apply(const TriDexel& other, DexelOperation operation, OperationId id,
+                     const Execution& execution) {
+  RESTROKE_CHECK_EQ(grid_ == other.grid_, true);
+  inArena(execution, [&] {
+    for (int axis = 0; axis < 3; ++axis) {
+      const FamilyRows rows(grid_, axis, family(axis),
+                            coordinates_[static_cast<std::size_t>((axis + 1) % 3)]);
+      const Dexels& tool = other.family(axis);
+      tbb::parallel_for(tbb::blocked_range<int>(0, rows.height(), kBand),
+                        [&](const tbb::blocked_range<int>& range) {
+                          FamilyRows own = rows;
+                          for (int row = range.begin(); row < range.end(); ++row)
+                            own.apply(tool, operation, id, row);
+                        });
+    }
+  });
+}
+
+void TriDexel::growTo(const Box& bounds) {
+  GridCounts before;
+  const DexelGrid grown = grid_.grownTo(bounds, before);
+  if (grown == grid_) return;
+  LineEnds ends;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Dexels old = std::move(family(axis));
+    Dexels& fresh = family(axis) = Dexels(grown.width(axis), grown.height(axis), {old.keepsOperations()});
+    const int right = before[static_cast<std::size_t>((axis + 1) % 3)],
+              down = before[static_cast<std::size_t>((axis + 2) % 3)];
+    for (int row = 0; row < old.height(); ++row)
+      for (int column = 0; column < old.width(); ++column) {
+        old.read(old.lineAt(column, row), ends);
+        if (!ends.empty()) fresh.write(fresh.lineAt(column + right, row + down), ends);
+      }
+  }
+  grid_ = grown;
+  findCoordinates();
+}
+
+bool TriDexel::isInside(const GridCounts& point) const {
+  int votes = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
+    const Dexels& dexels = family(axis);
+    const bool beyond =
+        point[u] < 0 || point[v] < 0 || point[u] >= dexels.width() || point[v] >= dexels.height();
+    if (!beyond && dexels.contains(dexels.lineAt(point[u], point[v]),
+                                   grid_.at(axis, point[static_cast<std::size_t>(axis)])))
+      ++votes;
+  }
+  return votes >= 2;
+}
+
+double TriDexel::volumeOf(int axis) const {
+  return family(axis).totalLength() * grid_.cell() * grid_.cell();
+}
+
+double TriDexel::volume() const {
+  return (volumeOf(0) + volumeOf(1) + volumeOf(2)) / 3;
+}
+
+Box TriDexel::bounds() const {
+  Box box;
+  LineEnds ends;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Dexels& dexels = family(axis);
+    for (int row = 0; row < dexels.height(); ++row)
+      for (int column = 0; column < dexels.width(); ++column) {
+        dexels.read(dexels.lineAt(column, row), ends);
+        if (ends.empty()) continue;
+        Point p;
+        p[(axis + 1) % 3] = grid_.at((axis + 1) % 3, column);
+        p[(axis + 2) % 3] = grid_.at((axis + 2) % 3, row);
+        for (const float depth : {ends.front().depth, ends.back().depth}) {
+          p[axis] = depth;
+          box.add({p, p});
+        }
+      }
+  }
+  return box;
+}
+
+std::size_t TriDexel::endCount() const {
+  return family(0).endCount() + family(1).endCount() + family(2).endCount();
+}
+
+std::size_t TriDexel::bytes() const {
+  std::size_t bytes = 0;
+  for (const Dexels& dexels : families_) bytes += dexels.bytes();
+  for (const auto& of : coordinates_) bytes += of.capacity() * sizeof(float);
+  return bytes;
+}
+
+TriDexel triDexelOf(const implicit::PrimitiveList& list, const DexelGrid& grid, implicit::Prefix prefix,
+                    const Execution& execution) {
+  std::vector<Primitive> primitives;
+  const std::size_t count = std::min(prefix.count, list.size());
+  primitives.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) primitives.push_back(list.at(i));
+  TriDexel out(grid);
+  out.apply(primitives, OperationId::Initial, execution);
+  return out;
+}
+
+}  // namespace restroke::points
