@@ -67,6 +67,11 @@ class Dexels {
     const std::uint32_t* more;  ///< kNoMore: the line has not several spans
   };
   static constexpr std::uint32_t kNoMore = 0xffffffffu;
+  /// Asks the memory for the ends of a line with several spans, if it is one.
+  void fetchMore(std::size_t line) const {
+    if (hasMore(line))
+      __builtin_prefetch(&rows_[line / static_cast<std::size_t>(width_)].pool[more_[line]], 1);
+  }
   [[nodiscard]] Hulls hulls();
   struct ConstHulls {
     const float *enter, *exit;

@@ -42,14 +42,13 @@ struct Folded {
 }
 }  // namespace octahedral
 
-/// `n` of any length but 0, finite.
+/// `n` of any length but 0, finite. Without branches, as the kernels do it (simd/span_kernels.inc).
 [[nodiscard]] inline PackedNormal packNormal(Vec3 n) {
   const float scale =
       static_cast<float>(octahedral::kMost) / (std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z));
-  const auto round = [](float x) { return static_cast<int>(x + (x < 0 ? -0.5f : 0.5f)); };
-  octahedral::Folded f{round(n.x * scale), round(n.y * scale)};
-  if (n.z < 0) f = octahedral::fold(f);
-  return octahedral::pack(f);
+  const auto round = [scale](float x) { return static_cast<int>(x * scale + std::copysign(0.5f, x)); };
+  const octahedral::Folded upper{round(n.x), round(n.y)}, lower = octahedral::fold(upper);
+  return octahedral::pack(n.z < 0 ? lower : upper);
 }
 
 /// Unit.

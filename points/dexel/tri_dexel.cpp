@@ -29,11 +29,6 @@ constexpr int kBand = 8;
 
 constexpr std::size_t kLanes = SpanKernels::kLanes;
 
-// Arrays for the columns of a row, read and written beyond their end by kernels.
-struct RowArrays {
-  alignas(64) float enter[kLanes], exit[kLanes], halves[kLanes];
-};
-
 // One family's rows under a sequence of operations.
 class FamilyRows {
  public:
@@ -77,10 +72,11 @@ class FamilyRows {
         const std::size_t at = line + static_cast<std::size_t>(std::countr_zero(bits));
         if (tool.more[at] == Dexels::kNoMore && operation != DexelOperation::Intersection) {
           const bool turned = operation == DexelOperation::Subtraction;
-          const auto normal = [&](PackedNormal n) { return (turned ? turnedAround(n) : n) & ~kPackedFlag; };
-          applySpan(
-              at, {tool.enter[at], tool.exit[at], normal(tool.enterNormal[at]), normal(tool.exitNormal[at])},
-              operation == DexelOperation::Union, id);
+          const auto normalAt = [&](bool exit) {
+            const PackedNormal own = (exit ? tool.exitNormal : tool.enterNormal)[at] & ~kPackedFlag;
+            return turned ? turnedAround(own) : own;
+          };
+          applySpan(at, {tool.enter[at], tool.exit[at], !turned, id}, normalAt);
           continue;
         }
         other.read(at, toolEnds);
@@ -129,53 +125,101 @@ class FamilyRows {
     return bits;
   }
 
+  // The columns of one row that a ball meets.
+  struct BallSegment {
+    BallRow ball;
+    int row, begin;
+    std::size_t count;
+    std::uint64_t changed;
+  };
+  static constexpr std::size_t kSegments = 16;
+
   void applyBall(const Sphere& ball, Sign sign, OperationId id, Range rows) {
-    const double r = static_cast<double>(ball.radius);
-    const double cu = static_cast<double>(ball.center[u_]), cv = static_cast<double>(ball.center[v_]),
-                 cz = static_cast<double>(ball.center[axis_]);
-    const bool fills = sign == Sign::Positive;
-    const DexelOperation operation = fills ? DexelOperation::Union : DexelOperation::Subtraction;
-    const float side = fills ? 1.0f : -1.0f;
-    RowArrays row;
+    const double r = static_cast<double>(ball.radius), cu = static_cast<double>(ball.center[u_]),
+                 cv = static_cast<double>(ball.center[v_]), cz = static_cast<double>(ball.center[axis_]);
+    const float side = sign == Sign::Positive ? 1.0f : -1.0f;
+    std::array<BallSegment, kSegments> segments;
+    std::size_t n = 0;
     for (int v = rows.begin; v < rows.end; ++v) {
-      const double dv = static_cast<double>(grid_.at(v_, v)) - cv;
-      const BallRow at{cu, cz, r * r - dv * dv};
-      if (!(at.square > 0)) continue;
-      const double chord = std::sqrt(at.square);
+      const double dv = static_cast<double>(grid_.at(v_, v)) - cv, square = r * r - dv * dv;
+      if (!(square > 0)) continue;
+      const double chord = std::sqrt(square);
       const int begin = grid_.firstFrom(u_, cu - chord), end = grid_.firstFrom(u_, cu + chord);
       for (int u = begin; u < end; u += static_cast<int>(kLanes)) {
         const std::size_t count = std::min(kLanes, static_cast<std::size_t>(end - u));
-        kernels_.ballRow(at, columns_.data() + u, count, row.enter, row.exit, row.halves);
+        segments[n++] = {{cu, cz, square, static_cast<float>(dv), side, axis_}, v, u, count, 0};
         const std::size_t line = dexels_.lineAt(u, v);
-        for (std::uint64_t bits = changed(operation, line, row.enter, row.exit, nullptr, count); bits != 0;
-             bits &= bits - 1) {
-          const auto i = static_cast<std::size_t>(std::countr_zero(bits));
-          const float nu = side * static_cast<float>(
-                                      static_cast<double>(columns_[static_cast<std::size_t>(u) + i]) - cu),
-                      nv = side * static_cast<float>(dv), nz = side * row.halves[i];
-          applySpan(line + i, {row.enter[i], row.exit[i], pack(nu, nv, -nz), pack(nu, nv, nz)}, fills, id);
+        fetch(hulls_.enter + line, count);
+        fetch(hulls_.exit + line, count);
+        fetch(hulls_.more + line, count);
+        if (n == kSegments) {
+          applySegments({segments.data(), n}, sign, id);
+          n = 0;
         }
+      }
+    }
+    applySegments({segments.data(), n}, sign, id);
+  }
+
+  // Asks for the memory of neighbouring lines, which is on its way while others are worked on: strokes jump
+  // about on models that no cache holds.
+  template <class T>
+  static void fetch(const T* first, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += 64 / sizeof(T)) __builtin_prefetch(first + i, 1);
+    __builtin_prefetch(first + count - 1, 1);
+  }
+
+  void applySegments(std::span<BallSegment> segments, Sign sign, OperationId id) {
+    const bool fills = sign == Sign::Positive;
+    const DexelOperation operation = fills ? DexelOperation::Union : DexelOperation::Subtraction;
+    std::array<BallLanes, kSegments> lanes;
+    for (std::size_t k = 0; k < segments.size(); ++k) {
+      BallSegment& s = segments[k];
+      const std::size_t line = dexels_.lineAt(s.begin, s.row);
+      kernels_.ballRow(s.ball, columns_.data() + s.begin, s.count, lanes[k]);
+      s.changed = changed(operation, line, lanes[k].enter, lanes[k].exit, nullptr, s.count);
+      if (s.changed == 0) continue;
+      const auto from = static_cast<std::size_t>(std::countr_zero(s.changed)),
+                 to = static_cast<std::size_t>(64 - std::countl_zero(s.changed));
+      fetch(hulls_.enterNormal + line + from, to - from);
+      fetch(hulls_.exitNormal + line + from, to - from);
+      if (hulls_.enterInner)
+        for (const OperationId* of :
+             {hulls_.enterInner, hulls_.enterOuter, hulls_.exitInner, hulls_.exitOuter})
+          fetch(of + line + from, to - from);
+      for (std::uint64_t bits = s.changed; bits != 0; bits &= bits - 1)
+        dexels_.fetchMore(line + static_cast<std::size_t>(std::countr_zero(bits)));
+    }
+    for (std::size_t k = 0; k < segments.size(); ++k) {
+      const BallSegment& s = segments[k];
+      const std::size_t line = dexels_.lineAt(s.begin, s.row);
+      for (std::uint64_t bits = s.changed; bits != 0; bits &= bits - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(bits));
+        const auto normalAt = [&](bool exit) {
+          return (exit ? lanes[k].exitNormal : lanes[k].enterNormal)[i];
+        };
+        applySpan(line + i, {lanes[k].enter[i], lanes[k].exit[i], fills, id}, normalAt);
       }
     }
   }
 
-  [[nodiscard]] PackedNormal pack(float u, float v, float z) const {
-    Vec3 n;
-    n[u_] = u;
-    n[v_] = v;
-    n[axis_] = z;
-    return packNormal(n);
-  }
-
-  // One span, whose normals are those that the solid gets.
-  void applySpan(std::size_t line, const ToolSpan& span, bool fills, OperationId id) {
-    if (!dexels_.hasMore(line) && (fills ? fillOne(line, span, id) : clearOne(line, span, id))) return;
-    dexels_.change(line, span, fills, id);
+  // One span, with the normals that the solid gets at its ends: `normalAt(exit)` makes one when it is needed.
+  struct Stretch {
+    float enter, exit;
+    bool fills;
+    OperationId id;
+  };
+  template <class F>
+  void applySpan(std::size_t line, const Stretch& s, const F& normalAt) {
+    if (!dexels_.hasMore(line) && (s.fills ? fillOne(line, s, normalAt) : clearOne(line, s, normalAt)))
+      return;
+    dexels_.change(line, {s.enter, s.exit, normalAt(false), normalAt(true)}, s.fills, s.id);
   }
 
   // What most lines need, without the way through a list of ends: a span is shortened or goes, or is made
   // longer. False: nothing was done.
-  bool clearOne(std::size_t line, const ToolSpan& span, OperationId id) {
+  template <class F>
+  bool clearOne(std::size_t line, const Stretch& span, const F& normalAt) {
     float &enter = hulls_.enter[line], &exit = hulls_.exit[line];
     if (!(span.enter < exit && span.exit > enter)) return true;
     if (span.enter <= enter) {
@@ -186,34 +230,35 @@ class FamilyRows {
       }
       if (hulls_.enterInner) {
         if (exit - span.exit < span.exit - enter) hulls_.enterInner[line] = hulls_.exitInner[line];
-        hulls_.enterOuter[line] = id;
+        hulls_.enterOuter[line] = span.id;
       }
       enter = span.exit;
-      hulls_.enterNormal[line] = span.exitNormal | kPackedFlag;
+      hulls_.enterNormal[line] = normalAt(true) | kPackedFlag;
       return true;
     }
     if (span.exit < exit) return false;  // it splits
     if (hulls_.enterInner) {
       if (!(exit - span.enter < span.enter - enter)) hulls_.exitInner[line] = hulls_.enterInner[line];
-      hulls_.exitOuter[line] = id;
+      hulls_.exitOuter[line] = span.id;
     }
     exit = span.enter;
-    hulls_.exitNormal[line] = span.enterNormal | kPackedFlag;
+    hulls_.exitNormal[line] = normalAt(false) | kPackedFlag;
     return true;
   }
 
-  bool fillOne(std::size_t line, const ToolSpan& span, OperationId id) {
+  template <class F>
+  bool fillOne(std::size_t line, const Stretch& span, const F& normalAt) {
     float &enter = hulls_.enter[line], &exit = hulls_.exit[line];
     if (dexels_.isEmpty(line) || span.enter > exit || span.exit < enter) return false;
     if (span.enter < enter) {
       enter = span.enter;
-      hulls_.enterNormal[line] = span.enterNormal | kPackedFlag;
-      if (hulls_.enterInner) hulls_.enterInner[line] = id;
+      hulls_.enterNormal[line] = normalAt(false) | kPackedFlag;
+      if (hulls_.enterInner) hulls_.enterInner[line] = span.id;
     }
     if (span.exit > exit) {
       exit = span.exit;
-      hulls_.exitNormal[line] = span.exitNormal | kPackedFlag;
-      if (hulls_.enterInner) hulls_.exitInner[line] = id;
+      hulls_.exitNormal[line] = normalAt(true) | kPackedFlag;
+      if (hulls_.enterInner) hulls_.exitInner[line] = span.id;
     }
     return true;
   }
@@ -232,13 +277,12 @@ class FamilyRows {
         const Ray ray{origin, direction};
         volume.intersect(ray, intervals);
         for (const RayInterval& in : intervals) {
-          const auto normal = [&](double t) {
-            const DVec3 n = volume.outwardNormal(ray.at(t));
+          const auto normalAt = [&](bool exit) {
+            const DVec3 n = volume.outwardNormal(ray.at(exit ? in.exit : in.enter));
             return packNormal(Vec3(fills ? n : -n));
           };
           const auto enter = static_cast<float>(in.enter), exit = static_cast<float>(in.exit);
-          if (enter < exit)
-            applySpan(dexels_.lineAt(u, v), {enter, exit, normal(in.enter), normal(in.exit)}, fills, id);
+          if (enter < exit) applySpan(dexels_.lineAt(u, v), {enter, exit, fills, id}, normalAt);
         }
       }
   }

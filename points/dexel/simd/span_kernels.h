@@ -15,6 +15,16 @@ struct BallRow {
   double column;  ///< the centre along the columns' axis
   double depth;   ///< the centre along the lines
   double square;  ///< radius^2 - (distance of the row from the centre)^2
+  float beside;   ///< the row's coordinate less the centre's
+  float side;     ///< 1: normals point out of the ball, -1: into it
+  int axis;       ///< that the lines run along
+};
+
+/// Spans of a ball on neighbouring lines, with packed normals (packed_normal.h).
+struct BallLanes {
+  static constexpr std::size_t kCount = 64;
+  alignas(64) float enter[kCount], exit[kCount];
+  alignas(64) std::uint32_t enterNormal[kCount], exitNormal[kCount];
 };
 
 /// Lines next to each other in a row: of the solid, and a tool's span on each.
@@ -25,13 +35,11 @@ struct SpanLanes {
 };
 
 struct SpanKernels {
-  static constexpr std::size_t kLanes = 64;  ///< most lines of one call
+  static constexpr std::size_t kLanes = BallLanes::kCount;  ///< most lines of one call
 
-  /// Spans of a ball on `count` lines at the coordinates `columns`, each rounded to float32; halves[i] is
-  /// half the length, for normals. Lines that miss it get enter > exit. May write up to the next multiple of
-  /// 16, and read so far.
-  void (*ballRow)(const BallRow& ball, const float* columns, std::size_t count, float* enter, float* exit,
-                  float* halves);
+  /// Spans of a ball on `count` lines at the coordinates `columns`, each end rounded to float32. Lines that
+  /// miss it get enter > exit. May write up to the next multiple of 16, and read so far.
+  void (*ballRow)(const BallRow& ball, const float* columns, std::size_t count, BallLanes& lanes);
   /// Bits of the lines that an operation may change. With several spans on a line: whenever the tool meets
   /// it.
   std::uint64_t (*changedByUnion)(const SpanLanes& lanes, std::size_t count);
