@@ -28,6 +28,7 @@ constexpr double kFewLines = 20'000;
 constexpr int kBand = 8;
 
 constexpr std::size_t kLanes = SpanKernels::kLanes;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // One family's rows under a sequence of operations.
 class FamilyRows {
@@ -62,35 +63,48 @@ class FamilyRows {
   void apply(const Dexels& other, DexelOperation operation, OperationId id, int row) {
     const Dexels::ConstHulls tool = other.hulls();
     const std::size_t begin = dexels_.lineAt(0, row), end = begin + static_cast<std::size_t>(dexels_.width());
-    LineEnds ends, toolEnds;
-    std::vector<ToolSpan> spans;
+    LineEnds toolEnds;
     for (std::size_t line = begin; line < end; line += kLanes) {
       const std::size_t count = std::min(kLanes, end - line);
       for (std::uint64_t bits =
                changed(operation, line, tool.enter + line, tool.exit + line, tool.more + line, count);
            bits != 0; bits &= bits - 1) {
         const std::size_t at = line + static_cast<std::size_t>(std::countr_zero(bits));
-        if (tool.more[at] == Dexels::kNoMore && operation != DexelOperation::Intersection) {
-          const bool turned = operation == DexelOperation::Subtraction;
-          const auto normalAt = [&](bool exit) {
-            const PackedNormal own = (exit ? tool.exitNormal : tool.enterNormal)[at] & ~kPackedFlag;
-            return turned ? turnedAround(own) : own;
-          };
-          applySpan(at, {tool.enter[at], tool.exit[at], !turned, id}, normalAt);
+        if (tool.more[at] != Dexels::kNoMore) {
+          other.read(at, toolEnds);
+          applyEnds(at, toolEnds, operation, id);
           continue;
         }
-        other.read(at, toolEnds);
-        spans.clear();
-        for (std::size_t i = 0; i < toolEnds.size(); i += 2)
-          spans.push_back({toolEnds[i].depth, toolEnds[i + 1].depth, toolEnds[i].normal & ~kPackedFlag,
-                           toolEnds[i + 1].normal & ~kPackedFlag});
-        dexels_.read(at, ends);
-        if (applyToLine(ends, spans, operation, id)) dexels_.write(at, ends);
+        const SpanEnd one[2] = {{tool.enter[at], tool.enterNormal[at]}, {tool.exit[at], tool.exitNormal[at]}};
+        applyEnds(at, {one, one[0].depth < one[1].depth ? 2u : 0u}, operation, id);
       }
     }
   }
 
  private:
+  // What applyToLine does, in place.
+  void applyEnds(std::size_t line, std::span<const SpanEnd> tool, DexelOperation operation, OperationId id) {
+    if (operation != DexelOperation::Intersection) {
+      const bool fills = operation == DexelOperation::Union;
+      for (std::size_t i = 0; i < tool.size(); i += 2)
+        applySpan(line, {tool[i].depth, tool[i + 1].depth, fills, id}, [&](bool exit) {
+          const PackedNormal own = tool[exit ? i + 1 : i].normal & ~kPackedFlag;
+          return fills ? own : turnedAround(own);
+        });
+      return;
+    }
+    // What is between the tool's spans is cleared.
+    for (std::size_t i = 0; i <= tool.size(); i += 2) {
+      const float from = i == 0 ? -kInfinity : tool[i - 1].depth,
+                  to = i == tool.size() ? kInfinity : tool[i].depth;
+      // At infinity there is no end, and no normal.
+      applySpan(line, {from, to, false, id}, [&](bool exit) -> PackedNormal {
+        if (i == (exit ? tool.size() : 0)) return 0;
+        return tool[exit ? i : i - 1].normal & ~kPackedFlag;
+      });
+    }
+  }
+
   [[nodiscard]] Range range(int axis, const Box& box) const {
     const int begin = grid_.firstFrom(axis, static_cast<double>(box.min[axis]));
     int end = grid_.firstFrom(axis, static_cast<double>(box.max[axis]));
@@ -224,8 +238,8 @@ class FamilyRows {
     if (!(span.enter < exit && span.exit > enter)) return true;
     if (span.enter <= enter) {
       if (span.exit >= exit) {
-        enter = std::numeric_limits<float>::infinity();
-        exit = -std::numeric_limits<float>::infinity();
+        enter = kInfinity;
+        exit = -kInfinity;
         return true;
       }
       if (hulls_.enterInner) {
