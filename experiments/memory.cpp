@@ -44,7 +44,7 @@ class Run {
     const auto surfels = reference_.model().surfels(execution);
     const Start start{.header = header, .list = list, .surfels = surfels, .execution = execution};
     for (const BackendKind kind : kAllBackends) backends_.push_back(makeBackend(kind, start));
-    path_.push_back(hashOf(surfels));
+    note({list, surfels});
   }
 
   [[nodiscard]] const sculpt::Document& reference() const { return reference_; }
@@ -68,7 +68,7 @@ class Run {
     const Step step{.command = command, .list = list, .surfels = surfels};
     for (auto& backend : backends_) backend->apply(step);
     path_.resize(++cursor_);
-    path_.push_back(hashOf(surfels));
+    note({list, surfels});
     return report.primitivesAdded;
   }
 
@@ -89,17 +89,22 @@ class Run {
 
  private:
   void check() const {
-    for (const auto& backend : backends_)
-      if (backend->stateHash() != path_[cursor_])
+    for (std::size_t i = 0; i < backends_.size(); ++i)
+      if (backends_[i]->stateHash() != path_[cursor_][i])
         throw InternalError(
             fmt::format("memory: {} restored another state than the log's at step {} of the path",
-                        backend->name(), cursor_));
+                        backends_[i]->name(), cursor_));
+  }
+  void note(const ShapeView& shape) {
+    path_.emplace_back();
+    for (const auto& backend : backends_) path_.back().push_back(backend->hashOfShape(shape));
   }
 
   Execution execution_;
   sculpt::Document reference_;
   std::vector<std::unique_ptr<HistoryBackend>> backends_;
-  std::vector<std::uint64_t> path_;  // state hashes from the start to the last step that can be redone
+  /// State hashes of each back end, from the start to the last step that can be redone.
+  std::vector<std::vector<std::uint64_t>> path_;
   std::size_t cursor_ = 0;
 };
 

@@ -9,10 +9,10 @@
 #include <thread>
 
 #include "experiments/provenance.h"
-#include "implicit/process_memory.h"
 #include "experiments/shipped.h"
 #include "experiments/text.h"
 #include "implicit/errors.h"
+#include "implicit/process_memory.h"
 #include "implicit/shape.h"
 #include "implicit/simd/dispatch.h"
 

@@ -22,8 +22,14 @@ std::unique_ptr<HistoryBackend> makeBackend(BackendKind kind, const Start& start
       return makeSurfelDeltas(start);
     case BackendKind::SurfelDeltasZstd:
       return makeSurfelDeltasZstd(start);
+    case BackendKind::DexelDeltas:
+      return makeDexelDeltas(start);
   }
   throw InternalError("makeBackend: a kind of history back end that does not exist");
+}
+
+std::uint64_t HistoryBackend::hashOfShape(const ShapeView& shape) const {
+  return hashOf(shape.surfels);
 }
 
 std::uint64_t hashOf(std::span<const points::Surfel> surfels) {

@@ -32,6 +32,12 @@ struct Start {
   Execution execution = {};
 };
 
+/// A shape: its list, and all its surfels.
+struct ShapeView {
+  std::span<const implicit::Primitive> list;
+  std::span<const points::Surfel> surfels;
+};
+
 /// One stroke and the shape that it led to from the back end's current state. Back ends that keep strokes use
 /// the command and make the shape themselves; those that keep shapes look at the shape only.
 struct Step {
@@ -61,9 +67,11 @@ class HistoryBackend {
   /// One step ahead, the way that was last gone. Throws InputError with nothing ahead.
   virtual void redo() = 0;
 
-  /// Hash of all surfels of the state at the cursor, restored from what the back end holds:
-  /// `hashOf(surfels)`.
+  /// Hash of the state at the cursor, restored from what the back end holds.
   [[nodiscard]] virtual std::uint64_t stateHash() const = 0;
+  /// The same of a shape that is given: of its surfels, where the back end does not hold shapes in another
+  /// way.
+  [[nodiscard]] virtual std::uint64_t hashOfShape(const ShapeView& shape) const;
 
   /// Bytes held for the history, from the containers' real capacity; the current shape is not part of it,
   /// except where it is itself one of the records (snapshots).
@@ -77,15 +85,16 @@ class HistoryBackend {
 };
 
 enum class BackendKind : std::uint8_t {
-  Strokes,          ///< the project's way: strokes as drawn, packed, in a tree
-  ListSnapshots,    ///< the whole primitive list after every step: the paper's rival
-  SurfelSnapshots,  ///< all surfels after every step
-  SurfelDeltas,     ///< per step, the surfels that went (with contents) and those that came
-  SurfelDeltasZstd  ///< the same, compressed step by step
+  Strokes,           ///< the project's way: strokes as drawn, packed, in a tree
+  ListSnapshots,     ///< the whole primitive list after every step: the paper's rival
+  SurfelSnapshots,   ///< all surfels after every step
+  SurfelDeltas,      ///< per step, the surfels that went (with contents) and those that came
+  SurfelDeltasZstd,  ///< the same, compressed step by step
+  DexelDeltas        ///< a tri-dexel model; per step, the lines that changed, as they were and as they became
 };
-inline constexpr BackendKind kAllBackends[] = {BackendKind::Strokes, BackendKind::ListSnapshots,
-                                               BackendKind::SurfelSnapshots, BackendKind::SurfelDeltas,
-                                               BackendKind::SurfelDeltasZstd};
+inline constexpr BackendKind kAllBackends[] = {BackendKind::Strokes,          BackendKind::ListSnapshots,
+                                               BackendKind::SurfelSnapshots,  BackendKind::SurfelDeltas,
+                                               BackendKind::SurfelDeltasZstd, BackendKind::DexelDeltas};
 
 [[nodiscard]] std::unique_ptr<HistoryBackend> makeBackend(BackendKind kind, const Start& start);
 

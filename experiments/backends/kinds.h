@@ -12,5 +12,6 @@ namespace restroke::experiments {
 [[nodiscard]] std::unique_ptr<HistoryBackend> makeSurfelSnapshots(const Start& start);
 [[nodiscard]] std::unique_ptr<HistoryBackend> makeSurfelDeltas(const Start& start);
 [[nodiscard]] std::unique_ptr<HistoryBackend> makeSurfelDeltasZstd(const Start& start);
+[[nodiscard]] std::unique_ptr<HistoryBackend> makeDexelDeltas(const Start& start);
 
 }  // namespace restroke::experiments

@@ -39,6 +39,7 @@ STYLES = {
     "surfel-snapshots": ("surfel snapshots", "#333333", "-", "^"),
     "surfel-deltas": ("surfel deltas", "#2e7d4f", "-", "D"),
     "surfel-deltas-zstd": ("surfel deltas, zstd", "#2e7d4f", ":", "D"),
+    "dexel-deltas": ("tri-dexel lines", "#8a5a00", "-", "v"),
 }
 IN_PAPER = ["strokes", "strokes-paper", "list-snapshots", "list-snapshots-paper"]
 

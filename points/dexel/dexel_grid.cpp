@@ -60,6 +60,13 @@ int DexelGrid::firstFrom(int axis, double coordinate) const {
   return i;
 }
 
+DexelGrid::Range DexelGrid::pointsIn(int axis, const Box& box) const {
+  Range range{firstFrom(axis, low(box, axis)), firstFrom(axis, high(box, axis))};
+  if (range.end < counts_[static_cast<std::size_t>(axis)] && at(axis, range.end) == box.max[axis])
+    ++range.end;
+  return range;
+}
+
 std::size_t DexelGrid::lineCount() const {
   std::size_t lines = 0;
   for (int family = 0; family < 3; ++family)

@@ -36,6 +36,11 @@ class DexelGrid {
   }
   /// The first point of an axis at `coordinate` or after it; may be beyond the grid.
   [[nodiscard]] int firstFrom(int axis, double coordinate) const;
+  /// The points of an axis whose coordinates are within a box, faces included.
+  struct Range {
+    int begin = 0, end = 0;
+  };
+  [[nodiscard]] Range pointsIn(int axis, const Box& box) const;
 
   [[nodiscard]] int width(int family) const { return counts_[static_cast<std::size_t>((family + 1) % 3)]; }
   [[nodiscard]] int height(int family) const { return counts_[static_cast<std::size_t>((family + 2) % 3)]; }

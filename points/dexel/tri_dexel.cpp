@@ -45,12 +45,9 @@ class FamilyRows {
 
   [[nodiscard]] int height() const { return dexels_.height(); }
 
-  // Rows of a box.
-  struct Range {
-    int begin = 0, end = 0;
-  };
-  [[nodiscard]] Range rowsOf(const Box& box) const { return range(v_, box); }
-  [[nodiscard]] Range columnsOf(const Box& box) const { return range(u_, box); }
+  using Range = DexelGrid::Range;
+  [[nodiscard]] Range rowsOf(const Box& box) const { return grid_.pointsIn(v_, box); }
+  [[nodiscard]] Range columnsOf(const Box& box) const { return grid_.pointsIn(u_, box); }
 
   void apply(const Primitive& primitive, OperationId id, Range rows) {
     if (primitive.shape.isSphere())
@@ -103,14 +100,6 @@ class FamilyRows {
         return tool[exit ? i : i - 1].normal & ~kPackedFlag;
       });
     }
-  }
-
-  [[nodiscard]] Range range(int axis, const Box& box) const {
-    const int begin = grid_.firstFrom(axis, static_cast<double>(box.min[axis]));
-    int end = grid_.firstFrom(axis, static_cast<double>(box.max[axis]));
-    const int count = grid_.counts()[static_cast<std::size_t>(axis)];
-    while (end < count && !(grid_.at(axis, end) > box.max[axis])) ++end;
-    return {begin, end};
   }
 
   [[nodiscard]] std::uint64_t changed(DexelOperation operation, std::size_t line, const float* toolEnter,
