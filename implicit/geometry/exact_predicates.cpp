@@ -42,6 +42,11 @@ int sideOfPlane(const Triangle& triangle, DVec3 p) {
       CGAL::orientation(exact(triangle[0]), exact(triangle[1]), exact(triangle[2]), exact(p)));
 }
 
+int sideOfLine(DVec2 a, DVec2 b, DVec2 p) {
+  const auto exactly = [](DVec2 q) { return Kernel::Point_2(q.x, q.y); };
+  return static_cast<int>(CGAL::orientation(exactly(a), exactly(b), exactly(p)));
+}
+
 int crossingOf(const Triangle& t, DVec3 p) {
   // The triangle seen along -x runs counter-clockwise (+1) when its normal points towards +x.
   const int seen = perturbedSideOfLine(t[0], t[1], p);

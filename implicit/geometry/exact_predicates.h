@@ -1,8 +1,9 @@
 #pragma once
-// Questions about meshes with float32 coordinates, answered without rounding. The arithmetic is CGAL's
-// filtered kernel (LGPL): doubles where they are sure, exact numbers where not.
+// Questions about meshes, answered without rounding; coordinates are taken as they are, float32 or double.
+// The arithmetic is CGAL's filtered kernel (LGPL): doubles where they are sure, exact numbers where not.
 
 #include <array>
+#include <glm/vec2.hpp>
 
 #include "implicit/geometry/vec.h"
 
@@ -11,11 +12,17 @@ namespace restroke {
 /// Corners of a triangle, or ends of a segment, in model units.
 using Triangle = std::array<Point, 3>;
 using Segment = std::array<Point, 2>;
+/// A point of a plane.
+using DVec2 = glm::dvec2;
 
 /// Side of `p` with respect to the plane of a triangle: +1 where the normal (b - a) x (c - a) points to, -1
 /// behind it, 0 in the plane, and 0 everywhere when the triangle is degenerate. All coordinates must be
 /// finite. Exact.
 [[nodiscard]] int sideOfPlane(const Triangle& triangle, DVec3 p);
+
+/// Side of `p` with respect to the line from `a` to `b` in the plane: +1 left, -1 right, 0 on it, and 0
+/// everywhere when a and b are equal. All coordinates must be finite. Exact.
+[[nodiscard]] int sideOfLine(DVec2 a, DVec2 b, DVec2 p);
 
 /// How the ray from `p` towards +x passes through a triangle: +1 from behind to before it, -1 the other way,
 /// 0 when it does not. A ray through an edge or a vertex is decided as if `p` were moved by a distance

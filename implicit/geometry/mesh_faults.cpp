@@ -42,7 +42,7 @@ class Inspector {
   explicit Inspector(const TriangleMesh& mesh) : mesh_(mesh), isDegenerate_(mesh.triangles.size()) {}
 
   MeshFaults run() {
-    checkInput();
+    checkMesh(mesh_);
     faults_.empty = mesh_.triangles.empty();
     faults_.volume = volumeOf(mesh_);
     findDegenerate();
@@ -58,23 +58,15 @@ class Inspector {
     return std::move(faults_);
   }
 
- private:
-  void checkInput() const {
-    constexpr std::size_t kMost = std::size_t{1} << 30;
-    if (mesh_.triangles.size() > kMost)
-      throw InputError(fmt::format("{} triangles; up to {} can be looked at", mesh_.triangles.size(), kMost));
-    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
-      for (const std::uint32_t v : mesh_.triangles[t]) {
-        if (v >= mesh_.vertices.size())
-          throw InputError(fmt::format("triangle {} names vertex {}, but the mesh has {} vertices, from 0 on",
-                                       t, v, mesh_.vertices.size()));
-        const Point p = mesh_.vertices[v];
-        if (!isFinite(p))
-          throw InputError(
-              fmt::format("vertex {} is at ({}, {}, {}); coordinates are finite numbers", v, p.x, p.y, p.z));
-      }
+  [[nodiscard]] MeshFaults::List<MeshFaults::Edge> oddEdges() const {
+    MeshFaults::List<MeshFaults::Edge> odd;
+    forEachEdge(sidesInOrder(), [&](const MeshFaults::Edge& edge, std::span<const Side>) {
+      if (edge.triangles % 2 == 1) note(odd, edge);
+    });
+    return odd;
   }
 
+ private:
   [[nodiscard]] Triangle cornersOf(std::uint32_t t) const {
     const auto& triangle = mesh_.triangles[t];
     return {mesh_.vertices[triangle[0]], mesh_.vertices[triangle[1]], mesh_.vertices[triangle[2]]};
@@ -115,20 +107,28 @@ class Inspector {
     return sides;
   }
 
-  void lookAtEdges(std::span<const Side> sides, DisjointSets& pieces) {
+  /// f(edge, sides that lie on it), in ascending order.
+  template <class F>
+  void forEachEdge(std::span<const Side> sides, const F& f) const {
     for (std::size_t first = 0, next = 0; first < sides.size(); first = next) {
       while (next < sides.size() && isSameEdge(sides[first], sides[next])) ++next;
       const auto around = sides.subspan(first, next - first);
-      for (const Side& side : around) pieces.unite(around[0].triangle, side.triangle);
       MeshFaults::Edge edge{{vertex(around[0].low), vertex(around[0].high)}, around.size()};
       if (around.size() == 1 && !around[0].rising) std::swap(edge.ends[0], edge.ends[1]);
+      f(edge, around);
+    }
+  }
+
+  void lookAtEdges(std::span<const Side> sides, DisjointSets& pieces) {
+    forEachEdge(sides, [&](const MeshFaults::Edge& edge, std::span<const Side> around) {
+      for (const Side& side : around) pieces.unite(around[0].triangle, side.triangle);
       if (around.size() == 1)
         note(faults_.borders, edge);
       else if (around.size() > 2)
         note(faults_.crowded, edge);
       else if (around[0].rising == around[1].rising)
         note(faults_.inconsistent, edge);
-    }
+    });
   }
 
   /// The triangles about a vertex are one fan when their corners there hang together through common edges.
@@ -290,6 +290,29 @@ void say(std::vector<std::string>& parts, const MeshFaults::List<Fault>& list, c
 }
 
 }  // namespace
+
+void checkMesh(const TriangleMesh& mesh) {
+  constexpr std::size_t kMost = std::size_t{1} << 30;
+  if (mesh.triangles.size() > kMost)
+    throw InputError(fmt::format("{} triangles; up to {} can be looked at", mesh.triangles.size(), kMost));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      if (v >= mesh.vertices.size())
+        throw InputError(fmt::format("triangle {} names vertex {}, but the mesh has {} vertices, from 0 on",
+                                     t, v, mesh.vertices.size()));
+      const Point p = mesh.vertices[v];
+      if (!isFinite(p))
+        throw InputError(
+            fmt::format("vertex {} is at ({}, {}, {}); coordinates are finite numbers", v, p.x, p.y, p.z));
+    }
+}
+
+MeshFaults::List<MeshFaults::Edge> oddEdgesOf(const TriangleMesh& mesh, const Execution& execution) {
+  checkMesh(mesh);
+  MeshFaults::List<MeshFaults::Edge> odd;
+  inArena(execution, [&] { odd = Inspector(mesh).oddEdges(); });
+  return odd;
+}
 
 MeshFaults faultsOf(const TriangleMesh& mesh, const Execution& execution) {
   std::optional<MeshFaults> faults;

@@ -88,6 +88,16 @@ struct MeshFaults {
 /// there, or a coordinate is not finite.
 [[nodiscard]] MeshFaults faultsOf(const TriangleMesh& mesh, const Execution& execution = {});
 
+/// Throws InputError when a triangle names a vertex that is not there, a coordinate is not finite, or there
+/// are more than 2^30 triangles. O(triangles).
+void checkMesh(const TriangleMesh& mesh);
+
+/// The edges that an odd number of triangles share, in ascending order: without any, every line that avoids
+/// vertices and edges passes through the mesh an even number of times. Vertices are the same when their
+/// numbers are. Throws InputError as faultsOf. O(n log n).
+[[nodiscard]] MeshFaults::List<MeshFaults::Edge> oddEdgesOf(const TriangleMesh& mesh,
+                                                            const Execution& execution = {});
+
 /// What is wrong, in words that follow a colon ("9 edges belong to one triangle only: 3-7 from (0, 0, 1) to
 /// (0, 1, 1), ..."), each kind with its count and its first members. Without faults: "nothing is wrong".
 [[nodiscard]] std::string describe(const MeshFaults& faults);

@@ -37,6 +37,7 @@ double cellFor(const Box& bounds, const DexelGridOptions& options) {
     throw InputError(fmt::format("the cell size is {}; it must be greater than 0", *options.cell));
   double longest = 0;
   for (int a = 0; a < 3; ++a) longest = std::max(longest, high(bounds, a) - low(bounds, a));
+  if (!(longest > 0)) throw InputError("the solid is one point; there is nothing to lay lines through");
   return options.cell ? *options.cell : longest / options.resolution.value_or(kDefaultLines);
 }
 

@@ -79,8 +79,8 @@ struct DexelGridOptions {
 inline constexpr int kDefaultLines = 128;
 inline constexpr int kMostLines = 8192;
 
-/// The grid for a solid in `bounds`. Throws InputError when the bounds are empty or flat, an option is out of
-/// range, both are given, float32 cannot tell neighbouring lines apart (64 numbers a cell), or the lines
+/// The grid for a solid in `bounds`. Throws InputError when the bounds are empty or a point, an option is out
+/// of range, both are given, float32 cannot tell neighbouring lines apart (64 numbers a cell), or the lines
 /// alone would take more memory than the machine has free (the sentence says how much).
 [[nodiscard]] DexelGrid dexelGridFor(const Box& bounds, const DexelGridOptions& options = {});
 

@@ -3,12 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
-#include <system_error>
 #include <unordered_map>
 #include <utility>
 
@@ -81,23 +77,6 @@ namespace {
 namespace fs = std::filesystem;
 using formats::Source;
 
-std::string contentsOf(const fs::path& path) {
-  std::error_code error;
-  if (fs::is_directory(path, error))
-    throw InputError(fmt::format("{}: is a folder; a mesh file is needed", path.string()));
-  // A device may never end.
-  if (const auto status = fs::status(path, error); fs::is_character_file(status) || fs::is_block_file(status))
-    throw InputError(fmt::format("{}: is a device; a mesh file is needed", path.string()));
-  errno = 0;
-  std::ifstream in(path, std::ios::binary);
-  if (!in)
-    throw InputError(fmt::format("{}: cannot read this file: {}", path.string(),
-                                 std::generic_category().message(errno != 0 ? errno : EIO)));
-  std::string contents(std::istreambuf_iterator<char>(in), {});
-  if (in.bad()) throw InputError(fmt::format("{}: cannot read this file: input/output error", path.string()));
-  return contents;
-}
-
 std::string endingOf(const fs::path& name) {
   return formats::lowered(name.extension().string());
 }
@@ -165,7 +144,7 @@ TriangleMesh parseMesh(std::string_view contents, const fs::path& name) {
 }
 
 TriangleMesh readMesh(const fs::path& path) {
-  const std::string contents = contentsOf(path);
+  const std::string contents = formats::contentsOf(path, "a mesh file");
   return parseMesh(contents, path);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// What the readers and writers of mesh formats share. For mesh_*.cpp only; others include mesh_files.h.
+// What the readers and writers of mesh formats share. For mesh_*.cpp, and for readers of other text files;
+// others include mesh_files.h.
 //
 // Why they are our own but for 3MF's reader: assimp (5.2.5) was tried on the files of tests/points. It
 // rounds decimal numbers to neighbours of the nearest float (a twentieth of the coordinates of one OBJ file),
@@ -31,11 +32,17 @@ struct Source {
 /// Throws the sentence "<file>: <place>: <what>", or without a place where that is empty.
 [[noreturn]] void refuse(const Source& source, const std::string& place, std::string what);
 
+/// The whole file. Throws InputError that names it, also for a folder or a device, where `wanted` ("a mesh
+/// file") is what is needed.
+[[nodiscard]] std::string contentsOf(const std::filesystem::path& path, const char* wanted);
+
 // Numbers ---------------------------------------------------------------------------------------------------
 
 /// The whole word as a number, rounded to the nearest float; nothing when it is no number, or not finite as a
 /// float32.
 [[nodiscard]] std::optional<float> parseFloat(std::string_view word);
+/// The same as a double. What is too small for one is 0.
+[[nodiscard]] std::optional<double> parseDouble(std::string_view word);
 [[nodiscard]] std::optional<std::int64_t> parseInteger(std::string_view word);
 
 /// The shortest text that reads back as the same number, as std::to_chars defines it: fmt's depends on its
@@ -76,6 +83,8 @@ class TextCursor {
 
   /// `word` as a coordinate; what is no finite float32 is refused.
   [[nodiscard]] float coordinate(std::string_view word) const;
+  /// `word` as a double; `what` names it in the sentence when it is none, or not finite.
+  [[nodiscard]] double number(std::string_view word, const char* what) const;
   /// `word` as an integer; `what` names it in the sentence when it is none.
   [[nodiscard]] std::int64_t integer(std::string_view word, const char* what) const;
 

@@ -1,6 +1,9 @@
 #include <array>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <system_error>
 
 #include "points/files/mesh_formats.h"
@@ -46,6 +49,38 @@ void refuse(const Source& source, const std::string& place, std::string what) {
   const std::string name = source.name.string();
   throw InputError(place.empty() ? fmt::format("{}: {}", name, what)
                                  : fmt::format("{}: {}: {}", name, place, what));
+}
+
+std::string contentsOf(const std::filesystem::path& path, const char* wanted) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (fs::is_directory(path, error))
+    throw InputError(fmt::format("{}: is a folder; {} is needed", path.string(), wanted));
+  // A device may never end.
+  if (const auto status = fs::status(path, error); fs::is_character_file(status) || fs::is_block_file(status))
+    throw InputError(fmt::format("{}: is a device; {} is needed", path.string(), wanted));
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in)
+    throw InputError(fmt::format("{}: cannot read this file: {}", path.string(),
+                                 std::generic_category().message(errno != 0 ? errno : EIO)));
+  std::string contents(std::istreambuf_iterator<char>(in), {});
+  if (in.bad()) throw InputError(fmt::format("{}: cannot read this file: input/output error", path.string()));
+  return contents;
+}
+
+std::optional<double> parseDouble(std::string_view word) {
+  word = withoutPlus(word);
+  const char *const begin = word.data(), *const end = begin + word.size();
+  double value = 0;
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (stop != end || begin == end) return std::nullopt;
+  if (error == std::errc::result_out_of_range) {
+    if (!isTiny(word)) return std::nullopt;
+    value = 0;
+  }
+  if (!std::isfinite(value)) return std::nullopt;
+  return value;
 }
 
 std::optional<float> parseFloat(std::string_view word) {
@@ -160,6 +195,12 @@ float TextCursor::coordinate(std::string_view word) const {
   const auto value = parseFloat(word);
   if (!value)
     refuseHere(fmt::format("the coordinate is \"{}\"; coordinates are finite float32 numbers", shown(word)));
+  return *value;
+}
+
+double TextCursor::number(std::string_view word, const char* what) const {
+  const auto value = parseDouble(word);
+  if (!value) refuseHere(fmt::format("{} is \"{}\"; it has to be finite", what, shown(word)));
   return *value;
 }
 
