@@ -20,7 +20,7 @@ using implicit::Side;
 // How far off, in cells, an end of an outvoted line may be.
 constexpr double kNearOnLine = 0.5;
 // Among ends this near, in cells, the nearest one is looked for.
-constexpr double kNearOffLine = 1.5;
+constexpr double kNearOffLine = 1.0;
 
 DexelGrid withLayerAround(const DexelGrid& grid) {
   DexelGrid::Parts parts = grid.parts();
