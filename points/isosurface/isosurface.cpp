@@ -67,10 +67,12 @@ void validate(const IsosurfaceOptions& options) {
     throw InputError(fmt::format("the cell size is {}; it must be greater than 0", *options.cell));
 }
 
-// Until nothing meets any more. Only what has changed is looked at again.
+// Until nothing meets any more. What surely meets nothing is not looked at, later only what has changed.
 void untangle(DualMesh& dual, Isosurface& out) {
   DualMesh::Triangles triangles = dual.triangles();
-  std::vector<bool> fresh(triangles.mesh.triangles.size(), true);
+  std::vector<bool> fresh(triangles.mesh.triangles.size());
+  const std::vector<bool> doubtful = dual.doubtfulQuads();
+  for (std::size_t t = 0; t < fresh.size(); ++t) fresh[t] = doubtful[triangles.quad[t]];
   const std::size_t before = dual.count(VertexPlace::NextCell);
   for (int round = 0;; ++round) {
     const auto pairs = meetingPairs(triangles.mesh, fresh);
