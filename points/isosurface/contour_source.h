@@ -1,7 +1,11 @@
 #pragma once
 // What a solid must be able to answer to be turned into a mesh.
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "implicit/geometry/box.h"
 #include "implicit/geometry/vec.h"
@@ -36,6 +40,22 @@ class ContourSource {
   ContourSource() = default;
   ContourSource(const ContourSource&) = default;
   ContourSource& operator=(const ContourSource&) = default;
+};
+
+/// A solid that is known best at the points of a grid of its own: its mesh is made on that grid.
+class GridSource : public ContourSource {
+ public:
+  struct Grid {
+    double cell = 0;  ///< from point to point, model units
+    /// Of the points along each axis: ascending, `cell` apart but for rounding, at least 2.
+    std::array<std::vector<float>, 3> coordinates;
+  };
+  /// All points on the grid's border must be outside.
+  [[nodiscard]] virtual Grid grid() const = 0;
+  /// The sides of all its points, a bit each, set for the inside: rows along x of `words` words, row y of
+  /// layer z being number z * (points along y) + y. All bits are clear at the call, which is one for the
+  /// whole grid; it may work in parallel within the caller's arena.
+  virtual void fillSides(std::size_t words, std::span<std::uint64_t> bits) const = 0;
 };
 
 /// A prefix of a list of signed primitives. The list must stay as it is while this is used.

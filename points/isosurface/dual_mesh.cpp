@@ -195,6 +195,7 @@ void DualMesh::placePatches() {
       }
       for (std::uint8_t k = 0; k < topology.count; ++k) {
         patches_[cut.firstPatch + k].cell = cell;
+        patches_[cut.firstPatch + k].isOnly = topology.count == 1;
         placePatch(cut.firstPatch + k, safeSum[k]);
       }
     });
@@ -408,6 +409,96 @@ bool DualMesh::isFan(std::uint32_t quad) const {
   for (const std::uint32_t patch : quads_[quad])
     if (isCone(patch)) return true;
   return false;
+}
+
+// The argument for quads that need no test. Let the cells around an edge e have one patch each, whose vertex
+// is in its cell; let the segment between the vertices of two neighbours cross their common face, in f; and
+// let the diagonal of the quad pass e on the side of vertex d through the triangle (e, d), and the other
+// three vertices' triangle meet e between its ends. All of it is to be strictly so. Then the quad lies in the
+// four tetrahedra (e, v, v') of neighbours v, v', and touches their boundary only in those segments and
+// within e. Of such a tetrahedron the half in a cell is the cone from the cell's vertex over the triangle (e,
+// f) of its boundary. These triangles overlap for no two edges of a cell: f is one point for each face, since
+// both cells beside it have but one patch, and faces that are crossed twice by the same two patches make
+// fans. So no two such quads meet but where they share vertices and sides.
+bool DualMesh::isInOrder(std::uint32_t number, const GridEdge& edge) const {
+  if (splits_[number] == Split::Fan || doubleSides_[number] != 0) return false;
+  Quad quad = quads_[number];
+  if (!grid_.inside(edge.low)) std::swap(quad[1], quad[3]);  // as kAround has them
+  for (const std::uint32_t v : quad)
+    if (patches_[v].place != VertexPlace::InCell || !patches_[v].isOnly) return false;
+  const int u = (edge.axis + 1) % 3, v = (edge.axis + 2) % 3;
+  const auto a = static_cast<std::size_t>(edge.axis);
+  GridIndex before = edge.low, after = edge.low;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (i != a) --before[i];
+    ++after[i];
+  }
+  // In cells, from the edge's lower end.
+  const DVec3 origin(grid_.at(edge.low));
+  const double scale = 1 / grid_.cell();
+  const DVec3 least = (DVec3(grid_.at(before)) - origin) * scale,
+              most = (DVec3(grid_.at(after)) - origin) * scale;
+  const double top = most[edge.axis];
+  struct Local {
+    double x, y, z;
+  };
+  std::array<Local, 4> p;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const DVec3 d = (DVec3(positionOf(quad[k])) - origin) * scale;
+    p[k] = {d[u], d[v], d[edge.axis]};
+  }
+  // Far more than rounding, in cells: the coordinates are float32 numbers, of which a cell has 64 or more.
+  constexpr double kSure = 1e-9;
+  const auto between = [](double low, double x, double high) { return x > low + kSure && x < high - kSure; };
+  // The faces between the cells k and k + 1: towards -y, +x, +y, -x.
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Local &s = p[k], &t = p[(k + 1) % 4];
+    const bool isAcrossX = k % 2 == 0;
+    const double from = isAcrossX ? s.x : s.y, to = isAcrossX ? t.x : t.y;
+    if (!(std::fabs(to - from) > 1e-6)) return false;
+    const double part = from / (from - to);
+    const double along = isAcrossX ? s.y + part * (t.y - s.y) : s.x + part * (t.x - s.x),
+                 z = s.z + part * (t.z - s.z);
+    const double low = k == 0   ? least[v]
+                       : k == 3 ? least[u]
+                                : 0,
+                 high = k == 1   ? most[u]
+                        : k == 2 ? most[v]
+                                 : 0;
+    if (!between(low, along, high) || !between(0, z, top)) return false;
+  }
+  const auto area = [](const Local& s, const Local& t) { return s.x * t.y - s.y * t.x; };
+  const std::size_t i = splits_[number] == Split::Diagonal02 ? 0 : 1;
+  const Local &s = p[i], &t = p[i + 2];
+  const double side = area(s, t);
+  // Counter-clockwise the vertices are s, p[i + 1], t, p[i + 3]: the diagonal passes the edge on the side of d.
+  const Local &next = p[i + 1], &last = p[(i + 3) % 4];
+  const Local &d = side > 0 ? next : last, &other = side > 0 ? last : next;
+  const double ws = area(other, t), wt = area(s, other), wo = -side, sum = ws + wt + wo;
+  if (!(std::fabs(sum) > 1e-6)) return false;
+  if (!between(0, (ws * s.z + wt * t.z + wo * other.z) / sum, top)) return false;
+  const double cut = area(s, d), whole = cut - area(t, d);
+  if (!(std::fabs(whole) > 1e-6)) return false;
+  const double part = cut / whole;
+  if (!between(0, part, 1)) return false;
+  const Local w{s.x + part * (t.x - s.x), s.y + part * (t.y - s.y), s.z + part * (t.z - s.z)};
+  const double size = d.x * d.x + d.y * d.y;
+  if (!(size > 1e-6)) return false;
+  const double out = (w.x * d.x + w.y * d.y) / size;
+  return between(0, out, 1) && between(out * d.z, w.z, out * d.z + (1 - out) * top);
+}
+
+std::vector<bool> DualMesh::doubtfulQuads() const {
+  std::vector<std::uint8_t> inOrder(quads_.size());
+  forRows(grid_, [&](std::size_t row) {
+    for (int axis = 0; axis < 3; ++axis)
+      grid_.forEdgesOf(axis, row, [&](std::size_t number, const GridEdge& edge) {
+        inOrder[number] = isInOrder(static_cast<std::uint32_t>(number), edge) ? 1 : 0;
+      });
+  });
+  std::vector<bool> doubtful(quads_.size());
+  for (std::size_t q = 0; q < quads_.size(); ++q) doubtful[q] = inOrder[q] == 0;
+  return doubtful;
 }
 
 std::vector<bool> DualMesh::makeSafer(const Triangles& triangles, std::span<const TrianglePair> pairs) {

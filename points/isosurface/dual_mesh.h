@@ -50,6 +50,11 @@ class DualMesh {
   };
   [[nodiscard]] Triangles triangles() const;
 
+  /// Quads whose triangles may meet others where they should not: all those of which it is not sure that they
+  /// stay among the cells around their edges as these triangles should (dual_mesh.cpp has the argument). No
+  /// two triangles of other quads meet but in shared vertices and edges.
+  [[nodiscard]] std::vector<bool> doubtfulQuads() const;
+
   /// Makes the mesh safer where pairs of its triangles meet: for each pair the first that applies of:
   /// vertices leave NextCell; quads become fans about their crossings; vertices become Cone; vertices become
   /// MeanCone. Returns, for each quad, whether it has changed or is in one of the pairs.
@@ -74,6 +79,7 @@ class DualMesh {
     GridIndex cell{};
     VertexPlace place = VertexPlace::InCell;
     std::uint8_t rank = 0;      // of the planes' minimum
+    bool isOnly = false;        // in its cell
     std::array<Point, 3> at{};  // of NextCell, of InCell and Cone, of MeanCone
     Qef qef;
   };
@@ -106,6 +112,7 @@ class DualMesh {
   [[nodiscard]] CutCell readCell(GridIndex cell, const ContourSource& source) const;
   [[nodiscard]] Point positionOf(std::uint32_t patch) const;
   [[nodiscard]] bool isFan(std::uint32_t quad) const;
+  [[nodiscard]] bool isInOrder(std::uint32_t quad, const GridEdge& edge) const;
   [[nodiscard]] bool isCone(std::uint32_t patch) const { return patches_[patch].place >= VertexPlace::Cone; }
   [[nodiscard]] DVec3 centerOf(GridIndex cell) const;
   [[nodiscard]] DVec3 positionOf(const GridEdge& edge, const EdgeCrossing& crossing) const;

@@ -34,6 +34,13 @@ Extent extentOf(const Box& box) {
   return out;
 }
 
+void refuseTooMany(const std::array<double, 3>& points, double cell) {
+  if (!(points[0] * points[1] * points[2] <= kMaxGridPoints))
+    throw InputError(
+        fmt::format("a mesh with cells of {:.6g} needs a grid of {} x {} x {} points; at most {} are allowed",
+                    cell, points[0], points[1], points[2], kMaxGridPoints));
+}
+
 double cellFor(const Box& bounds, const IsosurfaceOptions& options) {
   const Extent extent = extentOf(bounds);
   const double least = kLeastCellOfCoordinate * extent.coordinate;
@@ -46,11 +53,7 @@ double cellFor(const Box& bounds, const IsosurfaceOptions& options) {
         "a mesh with cells of {:.6g} was asked for; so far from the origin ({:.6g}) float32 needs cells "
         "of at least {:.6g}",
         cell, extent.coordinate, least));
-  const auto points = SideGrid::pointsFor(bounds, cell);
-  if (!(points[0] * points[1] * points[2] <= kMaxGridPoints))
-    throw InputError(
-        fmt::format("a mesh with cells of {:.6g} needs a grid of {} x {} x {} points; at most {} are allowed",
-                    cell, points[0], points[1], points[2], kMaxGridPoints));
+  refuseTooMany(SideGrid::pointsFor(bounds, cell), cell);
   return cell;
 }
 
@@ -64,10 +67,12 @@ void validate(const IsosurfaceOptions& options) {
     throw InputError(fmt::format("the cell size is {}; it must be greater than 0", *options.cell));
 }
 
-// Until nothing meets any more. Only what has changed is looked at again.
+// Until nothing meets any more. What surely meets nothing is not looked at, later only what has changed.
 void untangle(DualMesh& dual, Isosurface& out) {
   DualMesh::Triangles triangles = dual.triangles();
-  std::vector<bool> fresh(triangles.mesh.triangles.size(), true);
+  std::vector<bool> fresh(triangles.mesh.triangles.size());
+  const std::vector<bool> doubtful = dual.doubtfulQuads();
+  for (std::size_t t = 0; t < fresh.size(); ++t) fresh[t] = doubtful[triangles.quad[t]];
   const std::size_t before = dual.count(VertexPlace::NextCell);
   for (int round = 0;; ++round) {
     const auto pairs = meetingPairs(triangles.mesh, fresh);
@@ -84,6 +89,16 @@ void untangle(DualMesh& dual, Isosurface& out) {
   out.mesh = std::move(triangles.mesh);
 }
 
+void meshOf(const SideGrid& grid, const ContourSource& source, Isosurface& out) {
+  out.cutCells = grid.cellCount();
+  if (grid.edgeCount() > DualMesh::kMaxQuads)
+    throw InputError(
+        fmt::format("with cells of {:.6g} the surface crosses {} edges of the grid; at most {} are allowed",
+                    out.cell, grid.edgeCount(), DualMesh::kMaxQuads));
+  DualMesh dual(grid, source);
+  untangle(dual, out);
+}
+
 }  // namespace
 
 Isosurface isosurfaceOf(const ContourSource& source, const IsosurfaceOptions& options,
@@ -94,16 +109,21 @@ Isosurface isosurfaceOf(const ContourSource& source, const IsosurfaceOptions& op
   if (bounds.empty() || extentOf(bounds).longest == 0) return out;
   out.cell = cellFor(bounds, options);
   out.resolution = extentOf(bounds).longest / out.cell;
-  inArena(execution, [&] {
-    const SideGrid grid(source, bounds, out.cell);
-    out.cutCells = grid.cellCount();
-    if (grid.edgeCount() > DualMesh::kMaxQuads)
-      throw InputError(
-          fmt::format("with cells of {:.6g} the surface crosses {} edges of the grid; at most {} are allowed",
-                      out.cell, grid.edgeCount(), DualMesh::kMaxQuads));
-    DualMesh dual(grid, source);
-    untangle(dual, out);
-  });
+  inArena(execution, [&] { meshOf(SideGrid(source, bounds, out.cell), source, out); });
+  return out;
+}
+
+Isosurface isosurfaceOf(const GridSource& source, const Execution& execution) {
+  Isosurface out;
+  const Box bounds = source.bounds();
+  if (bounds.empty()) return out;
+  const GridSource::Grid grid = source.grid();
+  std::array<double, 3> points{};
+  for (std::size_t a = 0; a < 3; ++a) points[a] = static_cast<double>(grid.coordinates[a].size());
+  out.cell = grid.cell;
+  out.resolution = extentOf(bounds).longest / out.cell;
+  refuseTooMany(points, out.cell);
+  inArena(execution, [&] { meshOf(SideGrid(source), source, out); });
   return out;
 }
 

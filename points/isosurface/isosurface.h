@@ -58,4 +58,8 @@ struct Isosurface {
 [[nodiscard]] Isosurface isosurfaceOf(const ContourSource& source, const IsosurfaceOptions& options = {},
                                       const Execution& execution = {});
 
+/// The same on the grid that the source brings. Throws InputError when that has more than kMaxGridPoints
+/// points or the surface crosses too many of its edges, InternalError when a point on its border is inside.
+[[nodiscard]] Isosurface isosurfaceOf(const GridSource& source, const Execution& execution = {});
+
 }  // namespace restroke::points

@@ -60,7 +60,17 @@ bool meetBadly(const TriangleMesh& mesh, Corners s, Corners t) {
 
 std::vector<std::array<std::uint32_t, 2>> meetingPairs(const TriangleMesh& mesh,
                                                        const std::vector<bool>& chosen) {
-  const TriangleTree tree(mesh);
+  // The tree is of the chosen ones: mostly they are few.
+  TriangleMesh few;
+  std::vector<std::uint32_t> numbers;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!chosen[t]) continue;
+    few.triangles.push_back(mesh.triangles[t]);
+    numbers.push_back(static_cast<std::uint32_t>(t));
+  }
+  if (numbers.empty()) return {};
+  few.vertices = mesh.vertices;
+  const TriangleTree tree(few);
   const std::size_t count = mesh.triangles.size();
   constexpr std::size_t kChunk = 512;
   std::vector<std::vector<std::array<std::uint32_t, 2>>> found((count + kChunk - 1) / kChunk);
@@ -68,12 +78,20 @@ std::vector<std::array<std::uint32_t, 2>> meetingPairs(const TriangleMesh& mesh,
                     [&](const tbb::blocked_range<std::size_t>& r) {
                       for (std::size_t chunk = r.begin(); chunk < r.end(); ++chunk)
                         for (std::size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
-                          if (!chosen[i]) continue;
                           const auto t = static_cast<std::uint32_t>(i);
-                          tree.forEachTouching(tree.boxOf(t), [&](std::uint32_t other) {
+                          const Corners& corners = mesh.triangles[t];
+                          Point least = mesh.vertices[corners[0]], most = least;
+                          for (const std::uint32_t v : {corners[1], corners[2]})
+                            for (int a = 0; a < 3; ++a) {
+                              const float x = mesh.vertices[v][a];
+                              if (x < least[a]) least[a] = x;
+                              if (x > most[a]) most[a] = x;
+                            }
+                          tree.forEachTouching({least, most}, [&](std::uint32_t n) {
+                            const std::uint32_t other = numbers[n];
                             // A pair of two chosen ones is tested once.
-                            if (other == t || (chosen[other] && other < t)) return;
-                            if (meetBadly(mesh, mesh.triangles[t], mesh.triangles[other]))
+                            if (other == t || (chosen[t] && other < t)) return;
+                            if (meetBadly(mesh, corners, mesh.triangles[other]))
                               found[chunk].push_back({std::min(t, other), std::max(t, other)});
                           });
                         }

@@ -82,10 +82,18 @@ double Qef::errorAt(DVec3 x) const {
   return std::max(0.0, dot(x, times(a_, x)) - 2 * dot(b_, x) + c_);
 }
 
-// Eigenvalues up to this count as none.
-double Qef::leastEigenvalue() const {
-  const std::array<double, 3> value = eigenOf(a_).value;
-  return kRankRatio * std::max({value[0], value[1], value[2]});
+// In all directions. Eigenvalues up to `least` count as none.
+Qef::Minimum Qef::solveFree(double& least) const {
+  const Eigen3 eigen = eigenOf(a_);
+  least = kRankRatio * std::max({eigen.value[0], eigen.value[1], eigen.value[2]});
+  Minimum out{mean(), 0};
+  const DVec3 residual = b_ - times(a_, out.position);
+  for (std::size_t i = 0; i < 3; ++i)
+    if (eigen.value[i] > least) {
+      out.position += eigen.vector[i] * (dot(eigen.vector[i], residual) / eigen.value[i]);
+      ++out.rank;
+    }
+  return out;
 }
 
 Qef::Minimum Qef::solve(const Fixed& fixed, double half, double least) const {
@@ -124,15 +132,16 @@ Qef::Minimum Qef::solve(const Fixed& fixed, double half, double least) const {
 }
 
 Qef::Minimum Qef::minimum() const {
-  return solve({}, 0, leastEigenvalue());
+  double least = 0;
+  return solveFree(least);
 }
 
 Qef::Minimum Qef::minimumWithin(double half) const {
   const auto within = [&](DVec3 p) {
     return std::fabs(p.x) <= half && std::fabs(p.y) <= half && std::fabs(p.z) <= half;
   };
-  const double least = leastEigenvalue();
-  const Minimum free = solve({}, half, least);
+  double least = 0;
+  const Minimum free = solveFree(least);
   if (within(free.position)) return free;
   Minimum best{mean(), free.rank};
   for (int i = 0; i < 3; ++i) best.position[i] = std::clamp(best.position[i], -half, half);

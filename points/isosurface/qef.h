@@ -37,7 +37,7 @@ class Qef {
 
  private:
   using Fixed = std::array<int, 3>;  // per axis: 0 free, -1 or 1 at that bound
-  [[nodiscard]] double leastEigenvalue() const;
+  [[nodiscard]] Minimum solveFree(double& least) const;
   [[nodiscard]] Minimum solve(const Fixed& fixed, double half, double least) const;
 
   std::array<double, 6> a_{};  // sum of n n^T: xx, xy, xz, yy, yz, zz

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "implicit/errors.h"
 
@@ -39,11 +40,30 @@ SideGrid::SideGrid(const ContourSource& source, const Box& bounds, double cell) 
     for (int i = 0; i < points_[a]; ++i)
       coordinates_[a].push_back(static_cast<float>(middle + (i - (counts[a] - 1) / 2) * cell));
   }
-  words_ = static_cast<std::size_t>(points_[0] + 63) / 64;
-  rowCount_ = static_cast<std::size_t>(points_[1]) * static_cast<std::size_t>(points_[2]);
+  measure();
   ask(source);
   refuseInsideBorder();
   number();
+}
+
+SideGrid::SideGrid(const GridSource& source) {
+  GridSource::Grid grid = source.grid();
+  cell_ = grid.cell;
+  coordinates_ = std::move(grid.coordinates);
+  for (std::size_t a = 0; a < 3; ++a) {
+    RESTROKE_CHECK_LE(2u, coordinates_[a].size());
+    points_[a] = static_cast<int>(coordinates_[a].size());
+  }
+  measure();
+  source.fillSides(words_, bits_);
+  refuseInsideBorder();
+  number();
+}
+
+void SideGrid::measure() {
+  words_ = static_cast<std::size_t>(points_[0] + 63) / 64;
+  rowCount_ = static_cast<std::size_t>(points_[1]) * static_cast<std::size_t>(points_[2]);
+  bits_.assign(rowCount_ * words_, 0);
 }
 
 Point SideGrid::at(GridIndex i) const {
@@ -52,7 +72,6 @@ Point SideGrid::at(GridIndex i) const {
 }
 
 void SideGrid::ask(const ContourSource& source) {
-  bits_.assign(rowCount_ * words_, 0);
   const int blocksY = (points_[1] + kBlockYZ - 1) / kBlockYZ,
             blocksZ = (points_[2] + kBlockYZ - 1) / kBlockYZ;
   const int blocks = static_cast<int>(words_) * blocksY * blocksZ;
@@ -91,15 +110,22 @@ void SideGrid::askBlock(const ContourSource& source, GridIndex first) {
 }
 
 void SideGrid::refuseInsideBorder() const {
-  for (std::size_t row = 0; row < rowCount_; ++row)
-    forBits([&](int w) { return wordAt(row, w); }, row,
-            [&](GridIndex i) {
-              for (std::size_t a = 0; a < 3; ++a)
-                if (i[a] == 0 || i[a] == points_[a] - 1)
-                  throw InternalError(
-                      fmt::format("the grid point ({}, {}, {}) is inside the solid but not within its bounds",
-                                  at(i).x, at(i).y, at(i).z));
-            });
+  const auto ny = static_cast<std::size_t>(points_[1]), nz = static_cast<std::size_t>(points_[2]);
+  const int last = points_[0] - 1;
+  for (std::size_t row = 0; row < rowCount_; ++row) {
+    const std::size_t y = row % ny, z = row / ny;
+    const bool isBorder = y == 0 || y == ny - 1 || z == 0 || z == nz - 1;
+    const auto onBorder = [&](int w) {
+      std::uint64_t ends = w == 0 ? 1 : 0;
+      if (w == last / 64) ends |= std::uint64_t{1} << last % 64;
+      return wordAt(row, w) & (isBorder ? ~std::uint64_t{0} : ends);
+    };
+    forBits(onBorder, row, [&](GridIndex i) {
+      throw InternalError(
+          fmt::format("the grid point ({}, {}, {}) is inside the solid but not within its bounds", at(i).x,
+                      at(i).y, at(i).z));
+    });
+  }
 }
 
 std::uint64_t SideGrid::edgeWord(int axis, std::size_t row, int w) const {

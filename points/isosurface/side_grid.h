@@ -34,6 +34,8 @@ class SideGrid {
   /// a cell more all around. Bounds must not be empty, the cell positive; the caller has checked the number
   /// of points. Throws InternalError when the source says that a point on the border is inside.
   SideGrid(const ContourSource& source, const Box& bounds, double cell);
+  /// The source's own grid with the sides that it fills in. Errors as above.
+  explicit SideGrid(const GridSource& source);
 
   /// Points along each axis for those bounds and that cell; as doubles, for checks before anything is held.
   [[nodiscard]] static std::array<double, 3> pointsFor(const Box& bounds, double cell);
@@ -80,6 +82,7 @@ class SideGrid {
   // Bits of crossed edges and of cut cells; none in the last row or layer, where they would reach beyond.
   [[nodiscard]] std::uint64_t edgeWord(int axis, std::size_t row, int w) const;
   [[nodiscard]] std::uint64_t cellWord(std::size_t row, int w) const;
+  void measure();
   void ask(const ContourSource& source);
   void askBlock(const ContourSource& source, GridIndex first);
   void refuseInsideBorder() const;

@@ -1,0 +1,102 @@
+#pragma once
+// Tri-dexel models in files that can be refined later by someone else (SPEC R10): `.tridexel`.
+//
+// The format, version 1. Numbers are little-endian; f32 and f64 are IEEE 754, u8 to u64 unsigned, i32 two's
+// complement. A file is a header of 40 bytes and one zstd frame:
+//
+//      0  8 x u8  "TRIDEXEL"
+//      8  u32     version: 1
+//     12  u32     0
+//     16  u64     bytes of the body, unpacked
+//     24  u64     bytes of the frame: the file ends with it
+//     32  u64     XXH3 (64 bits, no seed) of bytes 0 to 31 and of the frame, one after the other
+//     40          the frame; it unpacks to the body
+//
+// The body, each part right after the other:
+//
+//     grid        f64 x 3 anchor, f64 cell, i32 x 3 first, i32 x 3 counts (DexelGrid::Parts)
+//     volumes     u32 count; each: u8 length and the letters of its kind (implicit/volume_kinds.h); u8 number
+//                 of parameters, and of each u32 count and so many f32; u8 1 if it has a mesh, else 0; then
+//                 the mesh, u32 length and the letters of its file's name, u64 the file's hash, u8 1 if it
+//                 was repaired, else 0
+//     initial     u8: 0 nothing; 1 a mesh, which follows; 2 primitives: u32 count, and of each u8 (0 added,
+//                 1 carved) and a shape
+//     tools       u32 count; so many meshes
+//     operations  u32 count; each: u8 (0 union, 1 subtraction, 2 intersection), then a shape, or u8 2, u32
+//                 number of a tool and f64 x 16 its pose, row by row
+//     lines       of the families along x, y and z, one after the other: u8 1 if ends have operations, else
+//                 0; u64 number of ends; then columns
+//
+//     a mesh      u32 vertices, u32 triangles; f32 x 3 of each vertex, u32 x 3 of each triangle
+//     a shape     u8 0: a ball, f32 x 3 centre, f32 radius; or u8 1: u32 number of a volume, f32 x 3
+//                 position, f32 x 4 rotation, f32 scale (implicit::Pose)
+//
+// A column of n words holds the lowest byte of all words, then the second of all, and so on: 4 n bytes. The
+// columns of a family are
+//
+//     the number of ends of each line, by rows
+//     of all ends, line by line: depth; normal's lower 15 bits; its next 15 bits; its upper 2 bits (the lower
+//     one of them unused, the upper one: cut); and with operations inner and outer + 1 (0: none)
+//
+// A word is the difference between the number and what was expected, d = number - expected modulo 2^32,
+// folded: 2 d for d < 2^31, else 2 (2^32 - d) - 1. Depths are made whole numbers in their order: the bits of
+// the float with the sign bit flipped for positive numbers, all bits flipped for negative ones. The number of
+// ends is expected to be the one of the line before in the row (0 for the first). For end k of a line, of the
+// line before it in the row (L), of the line above (A) and of the one before that (B), those that have as
+// many ends as this line are looked at: expected is L + A - B (modulo 2^32) of their ends k where there are
+// all three, else L, else A, else the number of the end before it on the line, else 0.
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "implicit/geometry/triangle_mesh.h"
+#include "implicit/primitive.h"
+#include "points/dexel/tri_dexel.h"
+
+namespace restroke::points {
+
+/// What a tri-dexel is and how it came about. `operations[i]` was applied as OperationId{i + 1}; 0 is the
+/// initial solid.
+struct TriDexelDocument {
+  /// Nothing, a mesh, or signed primitives.
+  std::variant<std::monostate, TriangleMesh, std::vector<implicit::Primitive>> initial;
+  /// Meshes that operations use.
+  std::vector<TriangleMesh> tools;
+
+  /// A tool mesh in a pose.
+  struct PosedTool {
+    std::uint32_t tool = 0;  ///< index in `tools`
+    /// From the tool's coordinates to the model's: 4 x 4, row by row, finite.
+    std::array<double, 16> pose{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    bool operator==(const PosedTool&) const = default;
+  };
+  struct Operation {
+    DexelOperation operation = DexelOperation::Subtraction;
+    std::variant<implicit::Shape, PosedTool> tool;
+    bool operator==(const Operation&) const = default;
+  };
+  std::vector<Operation> operations;
+
+  TriDexel model;
+};
+
+/// Writes the file beside its final name and renames it. Throws InputError that names the file when it cannot
+/// be written, or the document holds what the format cannot: a tool, vertex or operation that is not there,
+/// numbers that are not finite. O(lines + ends + meshes) time and memory.
+void writeTriDexel(const std::filesystem::path& path, const TriDexelDocument& document);
+
+/// Reads a file: the document bit for bit; what shapes shared they share again. Throws InputError, one
+/// sentence with the file, the byte and the rule, for anything that is not a whole, unchanged file of this
+/// version that keeps every rule; memory is taken only after it was found that the file fills it.
+[[nodiscard]] TriDexelDocument readTriDexel(const std::filesystem::path& path);
+
+/// The same for a file's contents; `name` is what sentences call it.
+[[nodiscard]] std::string formatTriDexel(const TriDexelDocument& document, const std::filesystem::path& name);
+[[nodiscard]] TriDexelDocument parseTriDexel(std::string_view contents, const std::filesystem::path& name);
+
+}  // namespace restroke::points
