@@ -226,6 +226,8 @@ TEST_F(GlTriDexels, OfOtherGridsContextsOrSizesAreRefused) {
   const GlDexelContext second;
   const GlTriDexel elsewhere(second, grid);
   EXPECT_THROW(model.apply(elsewhere, DexelOperation::Union, OperationId{1}), InternalError);
+  const GlTriDexel inBands(gl(), grid, {.linesPerBand = 10});
+  EXPECT_THROW(model.apply(inBands, DexelOperation::Union, OperationId{1}), InternalError);
   EXPECT_THROW(GlTriDexel(gl(), grid, {.linesPerBand = 0}), InputError);
   EXPECT_THROW(GlTriDexel(gl(), grid, {.linesPerBand = GlTriDexel::kMostLinesPerBand + 1}), InputError);
   EXPECT_THROW(GlTriDexel(gl(), wholeGrid({1'000'000, 1, 1})), InputError) << "beyond what drivers allow";

@@ -101,12 +101,13 @@ TEST_F(GlPeeling, GoesThroughHundredsOfLayers) {
 
 TEST_F(GlPeeling, OfRandomTrianglesInPairsIsEvenWhereverLinesPass) {
   // Closed, and as bad as can be: tetrahedra with corners on the lattice, slivers and flat ones among them.
+  // From 1 on: at 0 float32 tells apart what rounding makes of one depth.
   Random random(4);
   TriangleMesh mesh;
-  for (std::uint32_t i = 0; i < 300; ++i) {
+  for (std::uint32_t i = 0; i < 150; ++i) {
     for (int k = 0; k < 4; ++k) {
-      Point p(static_cast<float>(random.below(21)), static_cast<float>(random.below(21)),
-              static_cast<float>(random.below(21)));
+      Point p(static_cast<float>(1 + random.below(16)), static_cast<float>(1 + random.below(16)),
+              static_cast<float>(1 + random.below(16)));
       if (random.below(3) == 0) p += random.inCube(1e-3f);
       mesh.vertices.push_back(p);
     }
@@ -114,14 +115,14 @@ TEST_F(GlPeeling, OfRandomTrianglesInPairsIsEvenWhereverLinesPass) {
     for (const auto& t : {std::array{a, b, c}, std::array{a, c, d}, std::array{a, d, b}, std::array{b, d, c}})
       mesh.triangles.push_back(t);
   }
-  const DexelGrid grid = wholeGrid({21, 21, 21});
+  const DexelGrid grid = wholeGrid({17, 17, 17});
   const PeeledModel model = peel(gl(), mesh, grid);
   EXPECT_EQ(model.odd.count, 0u);
   EXPECT_EQ(model.model, peel(gl(), mesh, grid, {.method = PeelMethod::Layers}).model);
   const PeelDifference difference = differenceFrom(mesh, model.model);
   EXPECT_EQ(difference.otherCount, 0u);
   EXPECT_LE(difference.depth, difference.depthBound);
-  EXPECT_GT(difference.ends, 10'000u);
+  EXPECT_GT(difference.ends, 5'000u);
 }
 
 TEST_F(GlPeeling, IsTheSameInBandsOfAnySize) {
@@ -193,12 +194,16 @@ TEST_F(GlPeeling, OfNothingIsNothing) {
 }
 
 TEST_F(GlPeeling, ReachesFarBeyondTheGrid) {
-  // Lines see a small part of triangles that are large and slanted.
-  TriangleMesh mesh = boxMesh({-1, -1, -1}, {1, 1, 1});
-  for (Point& p : mesh.vertices)
-    p = Point(40000 * p.x + 3000 * p.y, 30000 * p.y - 7000 * p.z, 500 * p.z + p.x);
-  mesh.vertices[0] += Vec3(17, 3, 1);
-  checkedPeel(gl(), mesh, dexelGridFor({{-20, -20, -700}, {20, 20, 700}}, {.cell = 9}));
+  // Lines see a small part of triangles that are large and slanted; most of those are nowhere near.
+  for (const float scale : {1.0f, 1e3f, 1e6f}) {
+    TriangleMesh mesh = boxMesh({-1, -1, -1}, {1, 1, 1});
+    for (Point& p : mesh.vertices)
+      p = Point(scale * (40000 * p.x + 3000 * p.y), scale * (30000 * p.y - 7000 * p.z), 500 * p.z + p.x);
+    mesh.vertices[0] += Vec3(17, 3, 1);
+    const TriDexel model =
+        checkedPeel(gl(), mesh, dexelGridFor({{-20, -20, -700}, {20, 20, 700}}, {.cell = 9}));
+    EXPECT_GE(model.family(2).endCount(), 2u * 5 * 5);
+  }
 }
 
 // The same motion on the CPU: double, rounded once.
@@ -272,8 +277,10 @@ TEST_P(GlPeelingOfData, CrossesAsTheExactPredicatesDo) {
   if (!fs::exists(file))
     GTEST_SKIP() << file << " is not there; it is data of others and not in the repository";
   const TriangleMesh mesh = readMesh(file);
-  const TriDexel model = checkedPeel(gl(), mesh, dexelGridFor(boundsOf(mesh), {.resolution = 96}));
-  EXPECT_NEAR(model.volume(), volumeOf(mesh), 0.01 * volumeOf(mesh));
+  checkedPeel(gl(), mesh, dexelGridFor(boundsOf(mesh), {.resolution = 96}));
+  // Finer, for the volume: thingi112932 has walls of which 96 lines see one or none.
+  const TriDexel fine = peel(gl(), mesh, dexelGridFor(boundsOf(mesh), {.resolution = 256})).model;
+  EXPECT_NEAR(fine.volume(), volumeOf(mesh), 5e-3 * volumeOf(mesh));
 }
 
 INSTANTIATE_TEST_SUITE_P(Meshes, GlPeelingOfData,

@@ -27,6 +27,7 @@ GlBuffer::~GlBuffer() {
 
 void GlBuffer::swap(GlBuffer& other) noexcept {
   std::swap(memory_, other.memory_);
+  std::swap(seen_, other.seen_);
   std::swap(name_, other.name_);
   std::swap(capacity_, other.capacity_);
 }
@@ -37,7 +38,12 @@ void GlBuffer::reserve(std::size_t bytes) {
   constexpr std::size_t kStep = 256;
   const auto rounded = [](std::size_t size) { return (size + kStep - 1) / kStep * kStep; };
   std::size_t size = rounded(std::max(kStep, bytes + bytes / 2));
-  if (size > memory_->largestBlock()) size = rounded(bytes);
+  if (seen_ == Seen::Whole && size > memory_->largestBlock()) size = rounded(bytes);
+  if (seen_ == Seen::Whole && size > memory_->largestBlock())
+    throw InputError(fmt::format(
+        "OpenGL: {} bytes are needed in one buffer; this driver's shaders see {} at most, so fewer lines or "
+        "triangles are needed",
+        size, memory_->largestBlock()));
   if (name_) glDeleteBuffers(1, &name_);
   name_ = 0;
   capacity_ = 0;
@@ -77,11 +83,6 @@ std::uint32_t GlBuffer::readNumber(std::size_t index) const {
 }
 
 void GlBuffer::bind(unsigned binding) const {
-  if (capacity_ > memory_->largestBlock())
-    throw InputError(
-        fmt::format("OpenGL: {} bytes are needed in one buffer; this driver's shaders see {} at most, so "
-                    "fewer lines to a band, or fewer lines, are needed",
-                    capacity_, memory_->largestBlock()));
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name_);
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 namespace restroke::points {
@@ -29,7 +30,10 @@ class GlMemory {
 /// A buffer. But for its end, everything needs the context to be current.
 class GlBuffer {
  public:
-  explicit GlBuffer(std::shared_ptr<GlMemory> memory) : memory_(std::move(memory)) {}
+  /// Whether shaders see all of it at once; then it cannot be larger than GlMemory::largestBlock.
+  enum class Seen : std::uint8_t { Whole, InParts };
+  explicit GlBuffer(std::shared_ptr<GlMemory> memory, Seen seen = Seen::Whole)
+      : memory_(std::move(memory)), seen_(seen) {}
   ~GlBuffer();
   GlBuffer(GlBuffer&& other) noexcept { swap(other); }
   GlBuffer& operator=(GlBuffer&& other) noexcept {
@@ -39,7 +43,7 @@ class GlBuffer {
 
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   /// Room for so many bytes; where that takes new memory, contents are lost. Throws InputError when there is
-  /// none.
+  /// none, or shaders would not see it.
   void reserve(std::size_t bytes);
   /// Reserves, then writes from the beginning.
   void write(const void* data, std::size_t bytes);
@@ -48,7 +52,7 @@ class GlBuffer {
   /// Waits for what was computed.
   void read(void* data, std::size_t offset, std::size_t bytes) const;
   [[nodiscard]] std::uint32_t readNumber(std::size_t index) const;
-  /// For shaders, at a storage binding. Throws InputError when it is larger than they can see.
+  /// For shaders, at a storage binding.
   void bind(unsigned binding) const;
   /// A part; `offset` is a multiple of 256.
   void bindPart(unsigned binding, std::size_t offset, std::size_t bytes) const;
@@ -58,6 +62,7 @@ class GlBuffer {
   void swap(GlBuffer& other) noexcept;
 
   std::shared_ptr<GlMemory> memory_;
+  Seen seen_ = Seen::Whole;
   unsigned name_ = 0;
   std::size_t capacity_ = 0;
 };

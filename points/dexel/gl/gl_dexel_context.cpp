@@ -62,9 +62,9 @@ GlDexelContext::State::State() {
   scratch_ = std::make_unique<Scratch>(Scratch{.offsets = buffer(),
                                                .ends = buffer(),
                                                .groupSums = buffer(),
-                                               .posed = buffer(),
+                                               .posed = newBuffer(GlBuffer::Seen::InParts),
+                                               .places = newBuffer(GlBuffer::Seen::InParts),
                                                .normals = buffer(),
-                                               .places = buffer(),
                                                .counts = buffer(),
                                                .cursors = buffer(),
                                                .fragments = buffer(),
@@ -124,7 +124,9 @@ const std::string& GlDexelContext::driver() const {
 }
 
 GlMesh::Implementation::Implementation(std::shared_ptr<GlDexelContext::State> state, const TriangleMesh& mesh)
-    : state_(std::move(state)), triangleCount_(mesh.triangles.size()), triangles_(state_->newBuffer()) {
+    : state_(std::move(state)),
+      triangleCount_(mesh.triangles.size()),
+      triangles_(state_->newBuffer(GlBuffer::Seen::InParts)) {
   if (triangleCount_ > kMostGlTriangles)
     throw InputError(fmt::format("the mesh has {} triangles; {} at most can be drawn into dexels",
                                  triangleCount_, kMostGlTriangles));

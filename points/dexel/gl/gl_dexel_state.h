@@ -41,7 +41,9 @@ class GlDexelContext::State {
   };
 
   [[nodiscard]] const std::string& driver() const { return driver_; }
-  [[nodiscard]] GlBuffer newBuffer() const { return GlBuffer(memory_); }
+  [[nodiscard]] GlBuffer newBuffer(GlBuffer::Seen seen = GlBuffer::Seen::Whole) const {
+    return GlBuffer(memory_, seen);
+  }
   /// Pixels that a picture may have along a side.
   [[nodiscard]] int widest() const { return widest_; }
 
@@ -64,8 +66,8 @@ class GlDexelContext::State {
   /// Places for what an operation makes; it changes places with what was there before.
   struct Scratch {
     GlBuffer offsets, ends, groupSums;
-    GlBuffer posed, normals, places;               // of the mesh that is drawn
-    GlBuffer counts, cursors, fragments, numbers;  // of the band that is drawn
+    GlBuffer posed, places;                                 // of the mesh that is drawn, seen in parts
+    GlBuffer normals, counts, cursors, fragments, numbers;  // of the mesh; of the band that is drawn
     std::vector<GlBuffer> layers;
     unsigned framebuffer = 0, vertexArray = 0, elements = 0;
   };

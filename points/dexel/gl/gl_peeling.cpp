@@ -18,6 +18,8 @@ namespace restroke::points {
 
 namespace {
 
+// Beyond, differences could overflow float32.
+constexpr double kFarthest = 1e30;
 constexpr std::size_t kBytesPerEnd = 16, kBytesPerFragment = 8;
 
 template <class Run>
@@ -56,9 +58,10 @@ Box posedBox(const Box& box, const GlPose& pose) {
       const double sum = terms[0] + terms[1] + terms[2] + terms[3];
       const double slack =
           1e-6 * (std::fabs(terms[0]) + std::fabs(terms[1]) + std::fabs(terms[2]) + std::fabs(terms[3]));
-      if (!(std::fabs(sum) + slack <= 1e30))
-        throw InputError(fmt::format(
-            "the pose takes the mesh to the coordinate {:.6g}; beyond 1e30 float32 has no room", sum));
+      if (!(std::fabs(sum) + slack <= kFarthest))
+        throw InputError(
+            fmt::format("the mesh reaches to the coordinate {:.6g} in its pose; at most {:.6g} can be drawn",
+                        sum, kFarthest));
       low[k] = static_cast<float>(sum - slack);
       high[k] = static_cast<float>(sum + slack);
     }
@@ -98,6 +101,7 @@ void GlPeeler::startFamily(const DexelGrid& grid, int axis) {
   glUniform2d(program.at("firstLine"), static_cast<double>(grid.at(u, 0)),
               static_cast<double>(grid.at(v, 0)));
   glUniform1d(program.at("cell"), grid.cell());
+  glUniform2i(program.at("lineCounts"), grid.width(axis), grid.height(axis));
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   inBatches(triangleCount_, [&](std::size_t first, std::size_t count) {
     scratch.posed.bindPart(0, first * kBytesPerTriangle, count * kBytesPerTriangle);
@@ -203,6 +207,7 @@ void GlPeeler::peelLayers(const GlBand& band) {
     glUniform1ui(programs.placeLayer.at("number"), static_cast<GLuint>(i));
     GlDexelContext::State::runOnLines(programs.placeLayer, lines);
   }
+  layers.clear();  // as many as there are layers: too much to keep
 }
 
 void GlPeeler::fill(GlBand& band, const GlBuffer& columns, const GlBuffer& rows) {

@@ -48,8 +48,9 @@ void main() {
 
 /// The polygons to draw: each triangle, with a square about every corner, convex (J. Hasselgren, T.
 /// Akenine-Moeller, L. Ohlsson, Conservative Rasterization, GPU Gems 2, 2005, chapter 42). Whatever the
-/// driver's rounding of places on the screen, the triangle's own lines are among those drawn. Triangles seen
-/// edge-on have none.
+/// driver's rounding of places on the screen, the triangle's own lines are among those drawn. Of a triangle
+/// that reaches far beyond the screen it is the triangle's box within the screen. Triangles seen edge-on have
+/// none.
 inline constexpr const char* kHullMain = R"(
 layout(local_size_x = 256) in;
 layout(std430, binding = 0) readonly buffer Posed { float posed[]; };
@@ -58,7 +59,10 @@ uniform uint triangleCount;
 uniform ivec2 axes;
 uniform dvec2 firstLine;  // coordinates of the line of pixel (0, 0)
 uniform double cell;
+uniform ivec2 lineCounts;  // columns, rows
 
+const float kMargin = 0.125;    // drivers round places to 1/16 pixel or better
+const double kFar = 32768.0lf;  // beyond, they clip, with rounding of their own
 const vec2 kCorners[4] = vec2[](vec2(1, 1), vec2(-1, 1), vec2(-1, -1), vec2(1, -1));
 
 // Which corner of a square is farthest to the right of an edge.
@@ -81,22 +85,28 @@ void main() {
       p[1] = p[2];
       p[2] = q;
     }
-    vec2 pixel[3];
-    float reach = 0.0;
-    for (int k = 0; k < 3; ++k) {
-      pixel[k] = vec2((p[k] - firstLine) / cell + 0.5lf);
-      reach = max(reach, max(abs(pixel[k].x), abs(pixel[k].y)));
-    }
-    // Drivers round to 1/16 pixel or better; places far beyond the screen are rounded more.
-    float margin = 0.125 + 1e-6 * reach;
-    for (int k = 0; k < 3; ++k) {
-      int corner = cornerOf(p[k] - p[(k + 2) % 3]), last = cornerOf(p[(k + 1) % 3] - p[k]);
-      for (int turns = (last - corner + 4) % 4; turns >= 0 && written < stop; --turns) {
-        place = pixel[k] + margin * kCorners[corner];
-        places[written++] = place.x;
-        places[written++] = place.y;
-        corner = (corner + 1) % 4;
+    dvec2 pixel[3];
+    for (int k = 0; k < 3; ++k) pixel[k] = (p[k] - firstLine) / cell + 0.5lf;
+    dvec2 low = min(pixel[0], min(pixel[1], pixel[2])), high = max(pixel[0], max(pixel[1], pixel[2]));
+    if (all(greaterThan(low, dvec2(-kFar))) && all(lessThan(high, dvec2(kFar)))) {
+      for (int k = 0; k < 3; ++k) {
+        int corner = cornerOf(p[k] - p[(k + 2) % 3]), last = cornerOf(p[(k + 1) % 3] - p[k]);
+        for (int turns = (last - corner + 4) % 4; turns >= 0 && written < stop; --turns) {
+          place = vec2(pixel[k]) + kMargin * kCorners[corner];
+          places[written++] = place.x;
+          places[written++] = place.y;
+          corner = (corner + 1) % 4;
+        }
       }
+    } else {
+      low = max(low - double(kMargin), dvec2(-1.0lf));
+      high = min(high + double(kMargin), dvec2(lineCounts) + 1.0lf);
+      if (low.x < high.x && low.y < high.y)
+        for (int k = 0; k < 4; ++k) {
+          place = vec2(kCorners[k].x > 0.0 ? high.x : low.x, kCorners[k].y > 0.0 ? high.y : low.y);
+          places[written++] = place.x;
+          places[written++] = place.y;
+        }
     }
   }
   while (written < stop) {

@@ -116,15 +116,11 @@ void GlTriDexel::Implementation::apply(const Implementation& tool, DexelOperatio
   const Use use(*state_);
   GlDexelContext::State::Scratch& scratch = state_->scratch();
   const auto& programs = state_->programs();
-  std::size_t toolBand = 0;
-  for (GlBand& band : bands_) {
-    // The tool's bands may have other sizes; then it has none that lies as this one does.
-    while (tool.bands_[toolBand].axis != band.axis || tool.bands_[toolBand].row != band.row) {
-      ++toolBand;
-      RESTROKE_CHECK_LT(toolBand, tool.bands_.size());
-    }
-    const GlBand& other = tool.bands_[toolBand];
-    RESTROKE_CHECK_EQ(other.rows, band.rows);
+  RESTROKE_CHECK_EQ(bands_.size(), tool.bands_.size());
+  for (std::size_t i = 0; i < bands_.size(); ++i) {
+    GlBand& band = bands_[i];
+    const GlBand& other = tool.bands_[i];
+    RESTROKE_CHECK_EQ(other.lines(), band.lines());
     if (operation == DexelOperation::Union
             ? other.most == 0
             : band.most == 0 || (other.most == 0 && operation == DexelOperation::Subtraction))

@@ -85,8 +85,9 @@ struct OddLines {
   static constexpr std::size_t kPlaces = 16;
 };
 
-/// A tri-dexel (tri_dexel.h) in the graphics card's memory: 4 bytes a line and 16 an end, twice as much while
-/// an operation runs. Nothing is read back before it is asked for, but now and then a number that says how
+/// A tri-dexel (tri_dexel.h) in the graphics card's memory: 4 bytes a line and 16 an end, and room to grow.
+/// What an operation needs meanwhile, about as much again, stays with the context for the next one. Nothing
+/// is read back before it is asked for, but now and then a number that says how
 /// much memory is needed.
 ///
 /// Its lines are kept in bands of whole rows, each with its own buffers and its own picture when a mesh is
@@ -117,8 +118,8 @@ class GlTriDexel {
   /// does, with the same result bit for bit, one work item a line (SPEC D5). One restriction: where a
   /// driver's float32 subtraction takes denormal numbers (below 1.2e-38) for zero, and the neighbours of a
   /// new end are so near, another one of the two may tell what is beyond it (SpanEnd::inner, outer). The
-  /// grids and the contexts must be the same (InternalError). O(ends) in each band in which the tool is not
-  /// empty.
+  /// grids, the contexts and the lines per band must be the same (InternalError). O(ends) in each band in
+  /// which the tool is not empty.
   void apply(const GlTriDexel& tool, DexelOperation operation, OperationId id);
 
   /// Becomes the solid that the mesh bounds (operation Initial, no flags), by layered depth-normal images of
@@ -136,8 +137,8 @@ class GlTriDexel {
   /// inside twice is outside. Faces seen edge-on by a family have no crossings with it.
   ///
   /// On a driver whose doubles are not those of IEEE 754 results may differ in what depends on the last bit.
-  /// Throws InputError when the pose is not finite, its last row is not 0 0 0 1, or the posed mesh is beyond
-  /// float32.
+  /// Throws InputError when the pose is not finite, its last row is not 0 0 0 1, or the posed mesh reaches
+  /// beyond 1e30.
   void peel(const GlMesh& mesh, const PeelOptions& options = {});
   /// Of the last peel: none before the first. Their last entry, which has no exit, is left out.
   [[nodiscard]] OddLines oddLines() const;
@@ -154,9 +155,9 @@ class GlTriDexel {
 };
 
 /// Where the same line crosses the same triangle, the depth differs from the exact one by at most this part
-/// of the largest coordinate of the posed mesh: the rounding to float32 is 2^-24 of the depth, and double
-/// leaves nothing else but on triangles that are seen at less than some 1e-8 radians.
-inline constexpr double kPeelDepthBound = 0x1p-23;
+/// of the largest coordinate of the posed mesh: rounding to float32 is 2^-24 of the depth, and double adds
+/// next to nothing, but on triangles that are seen at less than some 1e-8 radians. Measured 2^-24.
+inline constexpr double kPeelDepthBound = 0x1.02p-24;
 /// Part of the lines whose number of ends may differ from that by exact predicates, on meshes whose
 /// coordinates are of like magnitude; measured 0. What is allowed is for crossings that are so near that one
 /// side's depths fall together and the other's do not.
