@@ -10,10 +10,10 @@ namespace restroke::points {
 namespace {
 
 [[noreturn]] void fail(const char* step) {
-  throw InputError(fmt::format(
-      "OpenGL: {} failed (EGL error 0x{:04x}); an OpenGL 3.3 driver for EGL is needed, for instance "
-      "Mesa's software driver (libgl1-mesa-dri)",
-      step, static_cast<unsigned>(eglGetError())));
+  throw InputError(
+      fmt::format("OpenGL: {} failed (EGL error 0x{:04x}); an OpenGL driver for EGL is needed, for instance "
+                  "Mesa's software driver (libgl1-mesa-dri)",
+                  step, static_cast<unsigned>(eglGetError())));
 }
 
 /// One display serves all contexts of the process; it is never terminated, since that would end them all.
@@ -39,21 +39,22 @@ EGLDisplay sharedDisplay() {
 
 }  // namespace
 
-EglContext::EglContext() : display_(sharedDisplay()) {
+EglContext::EglContext(GlVersion version) : display_(sharedDisplay()) {
   const ThreadState former;
   const EGLint configAttributes[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
   EGLConfig config = nullptr;
   EGLint count = 0;
   if (!eglChooseConfig(display_, configAttributes, &config, 1, &count) || count < 1) fail("eglChooseConfig");
   const EGLint contextAttributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                      3,
+                                      version.major,
                                       EGL_CONTEXT_MINOR_VERSION,
-                                      3,
+                                      version.minor,
                                       EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                       EGL_NONE};
   context_ = eglCreateContext(display_, config, EGL_NO_CONTEXT, contextAttributes);
-  if (context_ == EGL_NO_CONTEXT) fail("eglCreateContext");
+  if (context_ == EGL_NO_CONTEXT)
+    fail(fmt::format("making an OpenGL {}.{} core context", version.major, version.minor).c_str());
 }
 
 EglContext::~EglContext() {

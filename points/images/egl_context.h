@@ -1,14 +1,20 @@
 #pragma once
-// An OpenGL context without a window. Internal to the OpenGL renderer; no OpenGL or EGL header is included
-// here.
+// An OpenGL context without a window. Internal to what draws or computes with OpenGL; no OpenGL or EGL header
+// is included here.
 
 namespace restroke::points {
 
-/// OpenGL 3.3 core through EGL, on Mesa's surfaceless platform. Contexts are independent of each other.
+/// A version of OpenGL, core profile.
+struct GlVersion {
+  int major = 3, minor = 3;
+};
+
+/// OpenGL core through EGL, on Mesa's surfaceless platform. Contexts are independent of each other.
 class EglContext {
  public:
-  /// Throws InputError, with what EGL says, when there is no such context to be had.
-  EglContext();
+  /// A context of this version or one compatible with it. Throws InputError, with what EGL says, when there
+  /// is no such context to be had.
+  explicit EglContext(GlVersion version);
   ~EglContext();
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;

@@ -17,44 +17,11 @@
 
 #include "implicit/errors.h"
 #include "points/images/egl_context.h"
+#include "points/images/gl_program.h"
 #include "points/images/gl_shaders.h"
 
 namespace restroke::points {
 namespace {
-
-GLuint compile(GLenum type, const std::string& source) {
-  const GLuint shader = glCreateShader(type);
-  const char* const text = source.c_str();
-  glShaderSource(shader, 1, &text, nullptr);
-  glCompileShader(shader);
-  GLint good = 0;
-  glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
-  if (good) return shader;
-  std::array<char, 2048> log{};
-  glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  throw InternalError(fmt::format("OpenGL: a shader does not compile: {}", log.data()));
-}
-
-/// A linked program. Deleted with its context.
-class Program {
- public:
-  Program() = default;
-  Program(const std::string& vertex, const std::string& fragment) : program_(glCreateProgram()) {
-    for (const GLuint shader : {compile(GL_VERTEX_SHADER, vertex), compile(GL_FRAGMENT_SHADER, fragment)}) {
-      glAttachShader(program_, shader);
-      glDeleteShader(shader);
-    }
-    glLinkProgram(program_);
-    GLint good = 0;
-    glGetProgramiv(program_, GL_LINK_STATUS, &good);
-    if (!good) throw InternalError("OpenGL: a program does not link");
-  }
-  void use() const { glUseProgram(program_); }
-  [[nodiscard]] GLint at(const char* name) const { return glGetUniformLocation(program_, name); }
-
- private:
-  GLuint program_ = 0;
-};
 
 /// Textures of one size, drawn into together.
 class Target {
@@ -127,15 +94,11 @@ class GlRenderer::Implementation {
   Implementation() {
     const EglContext::Current current(context_);
     const std::string head = kGlslVersion + lookConstants(Look{});
-    depth_ = Program(head + kDiscVertexShader, head + kDiscFragmentHead + kDepthFragmentShader);
-    blend_ = Program(head + kDiscVertexShader, head + kDiscFragmentHead + kBlendFragmentShader);
-    shade_ = Program(head + kScreenVertexShader, head + kShadeFragmentShader);
+    depth_ = GlProgram(head + kDiscVertexShader, head + kDiscFragmentHead + kDepthFragmentShader);
+    blend_ = GlProgram(head + kDiscVertexShader, head + kDiscFragmentHead + kBlendFragmentShader);
+    shade_ = GlProgram(head + kScreenVertexShader, head + kShadeFragmentShader);
     makeArrays();
-    const auto text = [](GLenum name) {
-      const GLubyte* const bytes = glGetString(name);
-      return std::string(bytes ? reinterpret_cast<const char*>(bytes) : "?");
-    };
-    driver_ = text(GL_RENDERER) + ", OpenGL " + text(GL_VERSION);
+    driver_ = glDriver();
     GLint viewport[2] = {};
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest_);
     glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
@@ -160,7 +123,7 @@ class GlRenderer::Implementation {
     image.depth.resize(std::size_t{camera.width} * camera.height);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, image.depth.data());
-    checkErrors();
+    checkGlErrors("this picture");
     for (float& value : image.depth)
       value = value > 0.0f ? camera.near / value : std::numeric_limits<float>::infinity();
     return image;
@@ -188,7 +151,7 @@ class GlRenderer::Implementation {
     glReadBuffer(GL_COLOR_ATTACHMENT0);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, image.rgba.data());
-    checkErrors();
+    checkGlErrors("this picture");
     return image;
   }
 
@@ -226,14 +189,6 @@ class GlRenderer::Implementation {
           width, height, largest_));
   }
 
-  /// Out of memory is the machine's; anything else would be our mistake.
-  static void checkErrors() {
-    const GLenum error = glGetError();
-    if (error == GL_OUT_OF_MEMORY)
-      throw InputError("OpenGL: the driver has not enough memory for this picture");
-    if (error != GL_NO_ERROR) throw InternalError(fmt::format("OpenGL: error 0x{:04x}", error));
-  }
-
   void upload(const Scene& scene) {
     glBindBuffer(GL_ARRAY_BUFFER, surfelBuffer_);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(scene.surfels.size_bytes()), scene.surfels.data(),
@@ -243,10 +198,10 @@ class GlRenderer::Implementation {
       kinds_[i] = static_cast<std::uint8_t>(kindOf(scene, scene.surfels[i].primitive, scene.surfels[i].sign));
     glBindBuffer(GL_ARRAY_BUFFER, kindBuffer_);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(kinds_.size()), kinds_.data(), GL_STREAM_DRAW);
-    checkErrors();
+    checkGlErrors("this picture");
   }
 
-  static void setCamera(const Program& program, const Camera& camera, int width, int height) {
+  static void setCamera(const GlProgram& program, const Camera& camera, int width, int height) {
     const CameraFrame frame = frameOf(camera);
     setVector(program.at("eye"), frame.position);
     setVector(program.at("rightAxis"), frame.right);
@@ -322,8 +277,8 @@ class GlRenderer::Implementation {
   }
 
   std::mutex mutex_;
-  EglContext context_;  // everything below lives in it and is gone with it
-  Program depth_, blend_, shade_;
+  EglContext context_{GlVersion{.major = 3, .minor = 3}};  // everything below lives in it and is gone with it
+  GlProgram depth_, blend_, shade_;
   Target depthTarget_, blendTarget_, pictureTarget_;
   GLuint discArray_ = 0, emptyArray_ = 0, surfelBuffer_ = 0, kindBuffer_ = 0;
   std::vector<std::uint8_t> kinds_;
