@@ -74,6 +74,41 @@ struct RetargetOptions {
   std::string out;
 };
 
+struct DexelBuildOptions {
+  CommonOptions common;
+  std::string source;  ///< log, stamp list or mesh file
+  std::optional<int> resolution;
+  std::optional<double> cell;
+  std::string repair;
+  std::string device = "cpu";  ///< or opengl
+  std::string out;
+};
+
+struct DexelApplyOptions {
+  CommonOptions common;
+  std::string model;
+  std::string tool;   ///< a mesh file, or a shape in words
+  std::string poses;  ///< file of poses; empty: the tool as it is
+  std::string mode = "cut";
+  std::string device = "cpu";
+  std::string out;
+};
+
+struct DexelInfoOptions {
+  CommonOptions common;
+  std::string model;
+};
+
+struct DexelRenderOptions {
+  CommonOptions common;
+  std::string model;
+  std::string view = "three-quarter";
+  std::string size = "1280x960";
+  std::string renderer = "cpu";
+  std::string family = "all";  ///< or x, y, z
+  std::string png;
+};
+
 /// Each returns the exit status: 0, or 1 where a check found a difference.
 int runImport(const ImportOptions& options);
 int runReplay(const ReplayCommandOptions& options);
@@ -81,6 +116,10 @@ int runRender(const RenderCommandOptions& options);
 int runExport(const ExportOptions& options);
 int runHistory(const HistoryCommandOptions& options);
 int runRetarget(const RetargetOptions& options);
+int runDexelBuild(const DexelBuildOptions& options);
+int runDexelApply(const DexelApplyOptions& options);
+int runDexelInfo(const DexelInfoOptions& options);
+int runDexelRender(const DexelRenderOptions& options);
 
 /// Becomes the program restroke-experiment that lies beside this one, with the arguments behind "experiment".
 /// Returns only by throwing InputError when there is none.

@@ -1,5 +1,5 @@
 // restroke export: the shape for other programs, as a mesh or as points with normals; mesh files become
-// others.
+// others, and so do tri-dexels.
 
 #include <algorithm>
 #include <array>
@@ -7,17 +7,20 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <vector>
 
 #include "implicit/errors.h"
+#include "points/dexel/dexel_contour.h"
+#include "points/dexel/dexel_surfels.h"
+#include "points/dexel/tridexel_file.h"
 #include "points/files/mesh_files.h"
 #include "points/files/point_files.h"
 #include "points/isosurface/isosurface.h"
 #include "sculpt/cli/commands.h"
 #include "sculpt/cli/replaying.h"
+#include "sculpt/cli/sources.h"
 
 namespace restroke::cli {
 
@@ -32,24 +35,6 @@ std::string extensionOf(const std::string& file) {
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return extension;
-}
-
-// A log begins with '{', a stamp list with the line of its base; so may the header of a binary STL file,
-// which its size gives away. What is no plain file is left to the reader of logs, which has a sentence for
-// folders and missing files, and reads pipes.
-bool isMeshFile(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return false;
-  constexpr std::size_t kStlHeader = 80, kStlTriangle = 50;
-  std::array<char, kStlHeader + 4> first{};
-  std::ifstream file(path, std::ios::binary);
-  file.read(first.data(), first.size());
-  if (file.gcount() == 0) return false;
-  if (first[0] != '{' && (first[0] != 'B' || (first[1] != ' ' && first[1] != '\t'))) return true;
-  std::uintmax_t triangles = 0;  // little endian
-  for (std::size_t i = 4; i-- > 0;)
-    triangles = triangles * 256 + static_cast<unsigned char>(first[kStlHeader + i]);
-  return std::filesystem::file_size(path, error) == first.size() + kStlTriangle * triangles;
 }
 
 points::LengthUnit unitNamed(std::string_view name) {
@@ -90,6 +75,14 @@ void refuseWithMesh(const ExportOptions& o) {
   if (option != nullptr)
     throw InputError(
         fmt::format("{}: is a mesh, whose triangles are kept, but {} is of logs", o.source, option));
+}
+
+// A tri-dexel's mesh has the cells of its lines.
+void refuseWithTriDexel(const ExportOptions& o) {
+  const char* option = o.resolution ? "--resolution" : o.cell ? "--cell" : o.density ? "--density" : nullptr;
+  if (option != nullptr)
+    throw InputError(fmt::format("{}: is a tri-dexel, whose lines are where they are, but {} is of logs",
+                                 o.source, option));
 }
 
 // Does every edge have one triangle on each of its sides? O(n log n) whatever the mesh, which faultsOf is
@@ -193,7 +186,22 @@ void finishPoints(const Job& job, std::vector<points::Surfel> surfels) {
 int runExport(const ExportOptions& options) {
   const auto start = Clock::now();
   validate(options);
-  if (isMeshFile(options.source)) {
+  const SourceKind kind = sourceKindOf(options.source);
+  if (kind == SourceKind::TriDexel) {
+    refuseWithTriDexel(options);
+    const points::TriDexelDocument document = points::readTriDexel(options.source);
+    const Execution execution = executionOf(options.common);
+    Output output(options.common);
+    const Job job{options, options.unit.value_or("mm"), output, start};
+    if (extensionOf(options.out) == ".xyz") {
+      finishPoints(job, points::surfelsOf(document.model, {.ends = points::DexelEnds::All}, execution));
+    } else {
+      const points::Isosurface made = points::isosurfaceOf(document.model, execution);
+      finishMesh(job, made.mesh, &made);
+    }
+    return 0;
+  }
+  if (kind == SourceKind::Mesh) {
     refuseWithMesh(options);
     const TriangleMesh mesh = points::readMesh(options.source);
     Output output(options.common);

@@ -26,6 +26,11 @@ struct AllOptions {
   ExportOptions exporting;
   HistoryCommandOptions history;
   RetargetOptions retarget;
+  DexelBuildOptions dexelBuild;
+  DexelApplyOptions dexelApply;
+  DexelInfoOptions dexelInfo;
+  DexelRenderOptions dexelRender;
+  ExportOptions dexelExport;
 };
 
 void addCommon(CLI::App* command, CommonOptions& common) {
@@ -96,7 +101,8 @@ CLI::App* addExport(CLI::App& app, ExportOptions& o) {
       "--cell, or when the source is a mesh file: a mesh). Coordinates are kept, but for --scale.");
   c->add_option(
        "source", o.source,
-       "stroke log or stamp list, or a mesh file (STL, PLY, OBJ, OFF, 3MF, AMF), whose triangles are kept")
+       "stroke log or stamp list, a mesh file (STL, PLY, OBJ, OFF, 3MF, AMF), whose triangles are kept, or a "
+       "tri-dexel, which has the mesh of its lines")
       ->required();
   c->add_option("--out", o.out, "file that ends in .stl, .ply, .xyz, .obj, .amf or .3mf")->required();
   c->add_flag("--ascii", o.ascii, "STL or PLY as text");
@@ -156,6 +162,55 @@ CLI::App* addRetarget(CLI::App& app, RetargetOptions& o) {
   return c;
 }
 
+struct DexelCommands {
+  CLI::App *build, *apply, *info, *render, *exporting;
+};
+
+DexelCommands addDexel(CLI::App& app, AllOptions& options) {
+  CLI::App* group = app.add_subcommand("dexel", "solids as spans on three families of lines");
+  group->require_subcommand(1);
+
+  DexelBuildOptions& b = options.dexelBuild;
+  CLI::App* build = group->add_subcommand("build", "make a tri-dexel of a log, a stamp list or a mesh");
+  build->add_option("source", b.source, "stroke log, stamp list or mesh file")->required();
+  build->add_option("--resolution", b.resolution, "lines along the longest side, 1 to 8192, default 128");
+  build->add_option("--cell", b.cell, "from line to line in model units, in place of --resolution");
+  build->add_option("--repair", b.repair, "winding: what to make of a mesh that is no boundary of a solid");
+  build->add_option("--device", b.device, "cpu (default), or opengl: a mesh is sampled by drawing it");
+  build->add_option("--out", b.out, "tri-dexel to write")->required();
+  addCommon(build, b.common);
+
+  DexelApplyOptions& a = options.dexelApply;
+  CLI::App* apply = group->add_subcommand("apply", "cut with a tool, or add it, in one pose after the other");
+  apply->add_option("model", a.model, "tri-dexel")->required();
+  apply->add_option("--tool", a.tool, std::string("the tool: ") + kShapes)->required();
+  apply->add_option(
+      "--poses", a.poses,
+      "one pose a line: 16 numbers, a 4 x 4 matrix row by row; without, the tool is where it is");
+  apply->add_option("--mode", a.mode, "cut (default) or add");
+  apply->add_option("--device", a.device, "cpu (default), or opengl: a mesh tool is sampled by drawing it");
+  apply->add_option("--out", a.out, "tri-dexel to write")->required();
+  addCommon(apply, a.common);
+
+  CLI::App* info = group->add_subcommand("info", "what a tri-dexel holds");
+  info->add_option("model", options.dexelInfo.model, "tri-dexel")->required();
+  addCommon(info, options.dexelInfo.common);
+
+  DexelRenderOptions& r = options.dexelRender;
+  CLI::App* render =
+      group->add_subcommand("render", "draw a tri-dexel: what was cut or added in other colours");
+  render->add_option("model", r.model, "tri-dexel")->required();
+  render->add_option("--view", r.view,
+                     "front, back, left, right, top, bottom, three-quarter (default) or px,py,pz:vx,vy,vz");
+  render->add_option("--size", r.size, "WxH in pixels, default 1280x960");
+  render->add_option("--renderer", r.renderer, "cpu (default) or opengl");
+  render->add_option("--family", r.family, "x, y or z: the ends of one family of lines only; default all");
+  render->add_option("--png", r.png, "picture to write")->required();
+  addCommon(render, r.common);
+
+  return {build, apply, info, render, addExport(*group, options.dexelExport)};
+}
+
 int runProgram(int argc, char** argv) {
   CLI::App app("Restroke: sculpting with strokes that can be replayed on anything.", "restroke");
   app.require_subcommand(1);
@@ -166,6 +221,7 @@ int runProgram(int argc, char** argv) {
   const CLI::App* exporting = addExport(app, options.exporting);
   const CLI::App* history = addHistory(app, options.history);
   const CLI::App* retarget = addRetarget(app, options.retarget);
+  const DexelCommands dexel = addDexel(app, options);
   const CLI::App* kinds = app.add_subcommand("kinds", "list the kinds of volume that bases and tips may be");
   // For the list of commands only: main hands its arguments on before anything is parsed.
   app.add_subcommand("experiment", "measure: memory, retarget, scaling (starts restroke-experiment)");
@@ -182,6 +238,11 @@ int runProgram(int argc, char** argv) {
   if (*exporting) return runExport(options.exporting);
   if (*history) return runHistory(options.history);
   if (*retarget) return runRetarget(options.retarget);
+  if (*dexel.build) return runDexelBuild(options.dexelBuild);
+  if (*dexel.apply) return runDexelApply(options.dexelApply);
+  if (*dexel.info) return runDexelInfo(options.dexelInfo);
+  if (*dexel.render) return runDexelRender(options.dexelRender);
+  if (*dexel.exporting) return runExport(options.dexelExport);
   if (*kinds) {
     fmt::print("{:<18}a ball about any point; its radius is the base's or the brush's\n{}", "sphere",
                sculpt::describeKinds());

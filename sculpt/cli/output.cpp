@@ -69,7 +69,10 @@ std::string grouped(std::size_t number) {
 }
 
 std::string plural(std::size_t count, std::string_view word) {
-  return fmt::format("{} {}{}", grouped(count), word, count == 1 ? "" : word.ends_with("s") ? "es" : "s");
+  return fmt::format("{} {}{}", grouped(count), word,
+                     count == 1                                    ? ""
+                     : word.ends_with("s") || word.ends_with("sh") ? "es"
+                                                                   : "s");
 }
 
 }  // namespace restroke::cli

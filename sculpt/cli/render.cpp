@@ -1,9 +1,7 @@
 // restroke render: pictures of the shape at a log's end.
 
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <vector>
 
 #include "implicit/errors.h"
@@ -22,16 +20,6 @@ namespace {
 // Renderers write their files whole; a second rename puts both pictures in place only once both are complete.
 std::unique_ptr<AtomicFile> staged(const std::string& path) {
   return path.empty() ? nullptr : std::make_unique<AtomicFile>(path);
-}
-
-// What is seen: the sphere of the primitives would count those parts of them that later ones took away.
-implicit::Sphere framed(std::span<const points::Surfel> surfels) {
-  Box box;
-  for (const points::Surfel& surfel : surfels) box.add({surfel.position, surfel.position});
-  const Point center = box.center();
-  float radius = 0;
-  for (const points::Surfel& surfel : surfels) radius = std::fmax(radius, length(surfel.position - center));
-  return {center, radius};
 }
 
 }  // namespace

@@ -53,6 +53,15 @@ float checkedDensity(float density) {
   return density;
 }
 
+implicit::Sphere framed(std::span<const points::Surfel> surfels) {
+  Box box;
+  for (const points::Surfel& surfel : surfels) box.add({surfel.position, surfel.position});
+  const Point center = box.center();
+  float radius = 0;
+  for (const points::Surfel& surfel : surfels) radius = std::fmax(radius, length(surfel.position - center));
+  return {center, radius};
+}
+
 Camera viewNamed(std::string_view text, const ViewSubject& subject) {
   struct Named {
     std::string_view name;

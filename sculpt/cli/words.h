@@ -3,12 +3,14 @@
 // which names the option.
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "implicit/geometry/camera.h"
 #include "implicit/shape.h"
+#include "points/surfel.h"
 #include "sculpt/shape_text.h"
 #include "sculpt/stroke_log.h"
 
@@ -30,6 +32,10 @@ struct ViewSubject {
 /// front, back, left, right, top, bottom, three-quarter: frames the bounds. "stroke:N": the recorded camera
 /// of history node N, widened to the picture's shape. "px,py,pz:vx,vy,vz": from that place in that direction.
 [[nodiscard]] Camera viewNamed(std::string_view text, const ViewSubject& subject);
+
+/// What is seen of surfels, for ViewSubject: the sphere of a list's primitives would count those parts of
+/// them that later ones took away.
+[[nodiscard]] implicit::Sphere framed(std::span<const points::Surfel> surfels);
 
 /// Density given on the command line. Throws InputError unless it is finite and more than 0.
 [[nodiscard]] float checkedDensity(float density);

@@ -1,9 +1,10 @@
-"""The stages of the paper's figure 10 side by side.
+"""Pictures side by side, each with a name and what it is: the figures 9 and 10 of the papers.
 
-usage: figure10.py STAGES.txt FOLDER OUT.png
+usage: stages.py STAGES.txt FOLDER OUT.png [COLUMNS]
 
 STAGES.txt has a line for each stage: its name, two numbers that are not needed here, and what it is. FOLDER holds a
 picture of each, NAME.png, all of one size. Pixels are taken as they are; below each stand its name and what it is.
+Without COLUMNS all are in one row.
 """
 
 import os
@@ -30,18 +31,23 @@ def stages(path):
 
 
 def main():
-    if len(sys.argv) != 4:
+    if len(sys.argv) not in (4, 5):
         sys.exit(__doc__)
-    _, table, folder, out = sys.argv
+    table, folder, out = sys.argv[1:4]
     shown = list(stages(table))
+    columns = int(sys.argv[4]) if len(sys.argv) == 5 else len(shown)
+    rows = -(-len(shown) // columns)
     pictures = [plt.imread(os.path.join(folder, f"{name}.png")) for name, _ in shown]
     height, width = pictures[0].shape[:2]
-    figure = plt.figure(figsize=(width * len(shown) / DPI, (height + STRIP) / DPI), dpi=DPI, facecolor="white")
+    size = (width * columns, (height + STRIP) * rows)
+    figure = plt.figure(figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI, facecolor="white")
     for i, ((name, what), picture) in enumerate(zip(shown, pictures)):
-        figure.figimage(picture, i * width, STRIP)
-        middle = (i + 0.5) / len(shown)
-        for y, text, size, colour in ((62, f"({name})", 21, "#222222"), (20, what, 18, "#444444")):
-            figure.text(middle, y / (height + STRIP), text, ha="center", va="center", fontsize=size, color=colour)
+        column, below = i % columns, rows - 1 - i // columns
+        bottom = below * (height + STRIP)
+        figure.figimage(picture, column * width, bottom + STRIP)
+        for y, text, points, colour in ((62, f"({name})", 21, "#222222"), (20, what, 18, "#444444")):
+            figure.text((column + 0.5) / columns, (bottom + y) / size[1], text, ha="center", va="center",
+                        fontsize=points, color=colour)
     save(figure, out, dpi=DPI)
 
 

@@ -1,0 +1,35 @@
+#pragma once
+// What the subcommands of `restroke dexel` share: checks of words, and the report on a model.
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "implicit/errors.h"
+#include "points/dexel/tridexel_file.h"
+#include "sculpt/cli/output.h"
+
+namespace restroke::cli {
+
+/// "cpu" or "opengl"; throws InputError.
+void checkDevice(const std::string& device);
+
+/// A model that was made or read.
+struct DexelReport {
+  const std::string& file;
+  const points::TriDexelDocument& document;
+  double seconds;
+};
+/// Says what the model is, in text and JSON; `more` stands before the time in the JSON. Finishes the output.
+void report(Output& output, const DexelReport& report, const nlohmann::ordered_json& more);
+
+/// What f returns; sentences of InputErrors begin with the file's name.
+template <class F>
+auto named(const std::string& file, const F& f) {
+  try {
+    return f();
+  } catch (const InputError& error) {
+    throw InputError(file + ": " + error.what());
+  }
+}
+
+}  // namespace restroke::cli
