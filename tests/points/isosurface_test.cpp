@@ -3,19 +3,14 @@
 #include "points/isosurface/isosurface.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 #include <xxhash.h>
 
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
-#include <sstream>
 
 #include "implicit/errors.h"
 #include "points/files/mesh_files.h"
 #include "tests/points/isosurface_support.h"
+#include "tests/support/admesh.h"
 #include "tests/support/effort.h"
 
 namespace restroke::points {
@@ -396,34 +391,15 @@ TEST(ListSource, WhereRoundingHidesTheCrossingFromTheRayThereIsOneAllTheSame) {
 // ------------------------------------------------------------------------------------------------------
 
 TEST(Isosurface, S13AdmeshFindsNothingToRepair) {
-  if (std::system("command -v admesh > /dev/null") != 0)
-    GTEST_SKIP() << "the program admesh is not installed";
+  if (!restroke::testing::hasAdmesh()) GTEST_SKIP() << "the program admesh is not installed";
   const PrimitiveList list = testing::shapeOfAllKinds();
   const Isosurface out = isosurfaceOf(ListSource(list), {.resolution = 64});
-  const auto stl = std::filesystem::temp_directory_path() / fmt::format("restroke_admesh_{}.stl", ::getpid());
-  writeMesh(stl, out.mesh);
-  // Only what matches exactly counts as connected, and directions are checked.
-  const std::string report = stl.string() + ".txt";
-  const int status = std::system(
-      fmt::format("admesh --exact --normal-directions '{}' > '{}' 2>&1", stl.string(), report).c_str());
-  std::stringstream text;
-  text << std::ifstream(report).rdbuf();
-  std::filesystem::remove(stl);
-  std::filesystem::remove(report);
-  ASSERT_EQ(status, 0) << text.str();
-  // The number after "label :".
-  const auto valueOf = [&](const std::string& label) {
-    const std::string all = text.str();
-    const std::size_t at = all.find(label);
-    const std::size_t colon = at == std::string::npos ? at : all.find(':', at);
-    return colon == std::string::npos ? -1.0 : std::strtod(all.c_str() + colon + 1, nullptr);
-  };
-  for (const char* label : {"Total disconnected facets", "Degenerate facets", "Edges fixed", "Facets removed",
-                            "Facets added", "Facets reversed", "Backwards edges", "Normals fixed"})
-    EXPECT_EQ(valueOf(label), 0) << label << '\n' << text.str();
-  EXPECT_EQ(valueOf("Number of facets"), static_cast<double>(out.mesh.triangles.size()));
-  EXPECT_EQ(valueOf("Number of parts"), static_cast<double>(faultsOf(out.mesh).shellCount));
-  EXPECT_NEAR(valueOf("Volume"), volumeOf(out.mesh), 1e-4);
+  const restroke::testing::AdmeshReport report = restroke::testing::askAdmesh(out.mesh);
+  EXPECT_EQ(report.repairs(), std::vector<std::string>{}) << report.text;
+  EXPECT_EQ(report.valueOf("Normals fixed"), 0);
+  EXPECT_EQ(report.valueOf("Number of facets"), static_cast<double>(out.mesh.triangles.size()));
+  EXPECT_EQ(report.valueOf("Number of parts"), static_cast<double>(faultsOf(out.mesh).shellCount));
+  EXPECT_NEAR(report.valueOf("Volume"), volumeOf(out.mesh), 1e-4);
 }
 
 }  // namespace
