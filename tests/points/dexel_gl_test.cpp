@@ -152,6 +152,26 @@ TEST_F(GlTriDexels, MayBeEmptyOnEitherSideOrBoth) {
   EXPECT_EQ(withoutLines.download().endCount(), 0u);
 }
 
+TEST_F(GlTriDexels, OfListsAreChangedAsOnTheCpuWithOrWithoutOperations) {
+  Random random(10);
+  std::vector<implicit::Primitive> a = {{{{0, 0, 0}, 1.0f}, implicit::Sign::Positive}}, b;
+  while (a.size() < 80) a.push_back(restroke::testing::randomPrimitive(random, a));
+  while (b.size() < 40) b.push_back({{{random.inCube(1), 0.3f}}, implicit::Sign::Positive});
+  for (const bool kept : {true, false}) {
+    TriDexel model(dexelGridFor({{-1.3f, -1.3f, -1.3f}, {1.3f, 1.3f, 1.3f}}, {.resolution = 70}), {kept});
+    TriDexel tool(model.grid(), {kept});
+    model.apply(a, OperationId::Initial);
+    tool.apply(b, OperationId::Initial);
+    for (const DexelOperation operation : kOperations) {
+      TriDexel expected = model;
+      expected.apply(tool, operation, OperationId{500});
+      const TriDexel result = appliedByGl(gl(), model, tool, operation, OperationId{500});
+      EXPECT_EQ(result, expected);
+      EXPECT_EQ(result.family(0).keepsOperations(), kept);
+    }
+  }
+}
+
 TEST_F(GlTriDexels, HoldHundredsOfSpansALine) {
   Random random(6);
   const DexelGrid grid = wholeGrid({6, 5, 4});

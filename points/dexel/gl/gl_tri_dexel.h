@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -95,8 +96,10 @@ struct OddLines {
 class GlTriDexel {
  public:
   struct Options {
-    /// At most so many, but a row at least. 1 to kMostLinesPerBand.
-    std::size_t linesPerBand = std::size_t{1} << 18;
+    /// At most so many, but a row at least. 1 to kMostLinesPerBand; without, an eighth of a family's lines,
+    /// but 2^14 to 2^20: bands that a small tool does not meet cost nothing, each one that it meets costs
+    /// some starts of programs, and meshes are drawn once for each band.
+    std::optional<std::size_t> linesPerBand = std::nullopt;
   };
   static constexpr std::size_t kMostLinesPerBand = std::size_t{1} << 22;
 
@@ -111,7 +114,8 @@ class GlTriDexel {
   [[nodiscard]] const DexelGrid& grid() const;
   /// Becomes the model, whose grid must be this one's (InternalError). O(lines + ends).
   void upload(const TriDexel& model);
-  /// With the operations of its ends. The same ends as were uploaded, bit for bit. O(lines + ends).
+  /// The same ends as were uploaded, bit for bit; with the operations of the ends, unless the model that was
+  /// uploaded kept none. O(lines + ends).
   [[nodiscard]] TriDexel download() const;
 
   /// Unites with another solid on the same lines, subtracts it, or keeps what both have: what TriDexel::apply
