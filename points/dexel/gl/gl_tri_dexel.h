@@ -72,7 +72,8 @@ enum class PeelMethod : std::uint8_t {
 
 struct PeelOptions {
   PeelMethod method = PeelMethod::Fragments;
-  /// Applied to the mesh first, in double, rounded once to float32.
+  /// Applied to the mesh first: ((m0 x + m1 y) + m2 z) + m3 for each row, in double, rounded once to float32.
+  /// A mesh that was posed so beforehand gives the same bits.
   GlPose pose = kGlIdentity;
 };
 
