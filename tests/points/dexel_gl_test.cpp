@@ -5,6 +5,7 @@
 #include <latch>
 #include <thread>
 
+#include "points/dexel/gl/gl_dexel_state.h"
 #include "points/dexel/gl/gl_tri_dexel.h"
 #include "tests/points/dexel_gl_support.h"
 
@@ -152,6 +153,26 @@ TEST_F(GlTriDexels, MayBeEmptyOnEitherSideOrBoth) {
   EXPECT_EQ(withoutLines.download().endCount(), 0u);
 }
 
+TEST_F(GlTriDexels, OfListsAreChangedAsOnTheCpuWithOrWithoutOperations) {
+  Random random(10);
+  std::vector<implicit::Primitive> a = {{{{0, 0, 0}, 1.0f}, implicit::Sign::Positive}}, b;
+  while (a.size() < 80) a.push_back(restroke::testing::randomPrimitive(random, a));
+  while (b.size() < 40) b.push_back({{{random.inCube(1), 0.3f}}, implicit::Sign::Positive});
+  for (const bool kept : {true, false}) {
+    TriDexel model(dexelGridFor({{-1.3f, -1.3f, -1.3f}, {1.3f, 1.3f, 1.3f}}, {.resolution = 70}), {kept});
+    TriDexel tool(model.grid(), {kept});
+    model.apply(a, OperationId::Initial);
+    tool.apply(b, OperationId::Initial);
+    for (const DexelOperation operation : kOperations) {
+      TriDexel expected = model;
+      expected.apply(tool, operation, OperationId{500});
+      const TriDexel result = appliedByGl(gl(), model, tool, operation, OperationId{500});
+      EXPECT_EQ(result, expected);
+      EXPECT_EQ(result.family(0).keepsOperations(), kept);
+    }
+  }
+}
+
 TEST_F(GlTriDexels, HoldHundredsOfSpansALine) {
   Random random(6);
   const DexelGrid grid = wholeGrid({6, 5, 4});
@@ -231,6 +252,24 @@ TEST_F(GlTriDexels, OfOtherGridsContextsOrSizesAreRefused) {
   EXPECT_THROW(GlTriDexel(gl(), grid, {.linesPerBand = 0}), InputError);
   EXPECT_THROW(GlTriDexel(gl(), grid, {.linesPerBand = GlTriDexel::kMostLinesPerBand + 1}), InputError);
   EXPECT_THROW(GlTriDexel(gl(), wholeGrid({1'000'000, 1, 1})), InputError) << "beyond what drivers allow";
+}
+
+TEST_F(GlTriDexels, LieInBuffersThatGrowAndSayWhenShadersWouldNotSeeThem) {
+  GlDexelContext::State& state = *gl().state();
+  const GlDexelContext::State::Use use(state);
+  GlBuffer buffer = state.newBuffer();
+  const std::vector<std::uint32_t> numbers = {3, 1, 4, 1, 5};
+  buffer.write(numbers.data(), numbers.size() * sizeof numbers[0]);
+  EXPECT_EQ(buffer.readNumber(4), 5u);
+  const std::size_t before = buffer.capacity();
+  buffer.fill(3 * before, 7);
+  EXPECT_GE(buffer.capacity(), 3 * before);
+  EXPECT_EQ(buffer.readNumber(0), 7u);
+  EXPECT_EQ(buffer.readNumber(3 * before / sizeof numbers[0] - 1), 7u);
+  EXPECT_THROW(buffer.reserve(std::size_t{1} << 45), InputError);
+  EXPECT_EQ(buffer.readNumber(0), 7u) << "what it had it keeps";
+  GlBuffer other = std::move(buffer);
+  EXPECT_EQ(other.readNumber(1), 7u);
 }
 
 TEST_F(GlTriDexels, MayBeUsedByManyThreadsAndEndOnAny) {

@@ -165,6 +165,17 @@ TEST(PackedNormals, AreWithinTheirErrorAndTurnAroundExactly) {
   }
 }
 
+TEST(Dexels, WithoutOperationsReadNoneHoweverTheyWereWritten) {
+  Dexels dexels(2, 1, {.operations = false});
+  dexels.write(0, solid({1, 2}));
+  dexels.write(1, solid({1, 2, 3, 4}));
+  LineEnds read;
+  for (const std::size_t line : {0u, 1u}) {
+    dexels.read(line, read);
+    for (const SpanEnd& end : read) EXPECT_EQ(end.inner, OperationId::None) << "line " << line;
+  }
+}
+
 TEST(Dexels, ChangeInPlaceAsListsOfEndsDo) {
   for (const bool operations : {true, false}) {
     Random random(22);

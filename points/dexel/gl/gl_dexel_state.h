@@ -117,6 +117,7 @@ class GlTriDexel::Implementation {
 
   std::shared_ptr<GlDexelContext::State> state_;
   DexelGrid grid_;
+  bool operations_ = true;             // kept by the model that was uploaded
   std::vector<GlBand> bands_;          // by family and row
   std::vector<GlBuffer> coordinates_;  // of the grid's points, by axis
 };

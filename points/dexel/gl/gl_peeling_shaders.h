@@ -50,7 +50,7 @@ void main() {
 /// Akenine-Moeller, L. Ohlsson, Conservative Rasterization, GPU Gems 2, 2005, chapter 42). Whatever the
 /// driver's rounding of places on the screen, the triangle's own lines are among those drawn. Of a triangle
 /// that reaches far beyond the screen it is the triangle's box within the screen. Triangles seen edge-on have
-/// none.
+/// none, where that is sure.
 inline constexpr const char* kHullMain = R"(
 layout(local_size_x = 256) in;
 layout(std430, binding = 0) readonly buffer Posed { float posed[]; };
@@ -65,6 +65,12 @@ const float kMargin = 0.125;    // drivers round places to 1/16 pixel or better
 const double kFar = 32768.0lf;  // beyond, they clip, with rounding of their own
 const vec2 kCorners[4] = vec2[](vec2(1, 1), vec2(-1, 1), vec2(-1, -1), vec2(1, -1));
 
+bool isBefore(dvec2 a, dvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }
+void swap(inout dvec2 a, inout dvec2 b) {
+  dvec2 c = a;
+  a = b;
+  b = c;
+}
 // Which corner of a square is farthest to the right of an edge.
 int cornerOf(dvec2 edge) {
   return edge.y >= 0.0lf ? (edge.x <= 0.0lf ? 0 : 3) : (edge.x <= 0.0lf ? 1 : 2);
@@ -79,18 +85,27 @@ void main() {
   precise double left = (p[1].y - p[0].y) * (p[2].x - p[0].x);
   uint written = 14u * triangle, stop = written + 14u;
   vec2 place = vec2(-16.0);  // not seen
-  if (right != left) {
-    if (right < left) {
-      dvec2 q = p[1];
-      p[1] = p[2];
-      p[2] = q;
+  int corners = 3;
+  if (right == left) {
+    // For sure seen edge-on, or it may be rounding: then it is drawn as the segment that it seems to be.
+    corners = 0;
+    if (!(p[0].x == p[1].x && p[1].x == p[2].x) && !(p[0].y == p[1].y && p[1].y == p[2].y)) {
+      corners = 2;
+      if (isBefore(p[1], p[0])) swap(p[0], p[1]);
+      if (isBefore(p[2], p[0])) swap(p[0], p[2]);
+      if (isBefore(p[1], p[2])) swap(p[1], p[2]);
     }
+  } else if (right < left) {
+    swap(p[1], p[2]);
+  }
+  if (corners > 0) {
     dvec2 pixel[3];
     for (int k = 0; k < 3; ++k) pixel[k] = (p[k] - firstLine) / cell + 0.5lf;
     dvec2 low = min(pixel[0], min(pixel[1], pixel[2])), high = max(pixel[0], max(pixel[1], pixel[2]));
     if (all(greaterThan(low, dvec2(-kFar))) && all(lessThan(high, dvec2(kFar)))) {
-      for (int k = 0; k < 3; ++k) {
-        int corner = cornerOf(p[k] - p[(k + 2) % 3]), last = cornerOf(p[(k + 1) % 3] - p[k]);
+      for (int k = 0; k < corners; ++k) {
+        int corner = cornerOf(p[k] - p[(k + corners - 1) % corners]);
+        int last = cornerOf(p[(k + 1) % corners] - p[k]);
         for (int turns = (last - corner + 4) % 4; turns >= 0 && written < stop; --turns) {
           place = vec2(pixel[k]) + kMargin * kCorners[corner];
           places[written++] = place.x;

@@ -18,6 +18,7 @@ namespace {
 
 using Use = GlDexelContext::State::Use;
 
+constexpr std::size_t kFewLinesPerBand = std::size_t{1} << 14, kManyLinesPerBand = std::size_t{1} << 20;
 constexpr std::size_t kBytesPerEnd = 16;
 static_assert(sizeof(SpanEnd) == kBytesPerEnd, "ends are handed to OpenGL as they lie in memory");
 
@@ -31,8 +32,8 @@ GLuint numberOf(DexelOperation operation) {
 GlTriDexel::Implementation::Implementation(std::shared_ptr<GlDexelContext::State> state,
                                            const DexelGrid& grid, Options options)
     : state_(std::move(state)), grid_(grid) {
-  if (options.linesPerBand < 1 || options.linesPerBand > kMostLinesPerBand)
-    throw InputError(fmt::format("a band shall have {} lines; it must be 1 to {}", options.linesPerBand,
+  if (options.linesPerBand && (*options.linesPerBand < 1 || *options.linesPerBand > kMostLinesPerBand))
+    throw InputError(fmt::format("a band shall have {} lines; it must be 1 to {}", *options.linesPerBand,
                                  kMostLinesPerBand));
   const Use use(*state_);
   for (int axis = 0; axis < 3; ++axis) {
@@ -41,9 +42,11 @@ GlTriDexel::Implementation::Implementation(std::shared_ptr<GlDexelContext::State
       throw InputError(fmt::format("OpenGL: the grid has {} lines in a row; this driver's limit is {}", width,
                                    state_->widest()));
     if (width == 0 || height == 0) continue;
-    const auto rows =
-        static_cast<int>(std::clamp<std::size_t>(options.linesPerBand / static_cast<std::size_t>(width), 1,
-                                                 static_cast<std::size_t>(state_->widest())));
+    const std::size_t lines = options.linesPerBand.value_or(
+        std::clamp(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) / 8, kFewLinesPerBand,
+                   kManyLinesPerBand));
+    const auto rows = static_cast<int>(std::clamp<std::size_t>(lines / static_cast<std::size_t>(width), 1,
+                                                               static_cast<std::size_t>(state_->widest())));
     for (int row = 0; row < height; row += rows) {
       bands_.push_back({axis, row, std::min(rows, height - row), width, state_->newBuffer(),
                         state_->newBuffer(), state_->newBuffer()});
@@ -70,6 +73,7 @@ void GlTriDexel::Implementation::clear(GlBand& band) {
 void GlTriDexel::Implementation::upload(const TriDexel& model) {
   RESTROKE_CHECK_EQ(grid_ == model.grid(), true);
   const Use use(*state_);
+  operations_ = model.family(0).keepsOperations();
   std::vector<GLuint> offsets;
   LineEnds ends, line;
   for (GlBand& band : bands_) {
@@ -90,7 +94,7 @@ void GlTriDexel::Implementation::upload(const TriDexel& model) {
 }
 
 TriDexel GlTriDexel::Implementation::download() const {
-  TriDexel model(grid_);
+  TriDexel model(grid_, {.operations = operations_});
   const Use use(*state_);
   std::vector<GLuint> offsets;
   LineEnds ends;
