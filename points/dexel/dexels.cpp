@@ -87,7 +87,10 @@ void Dexels::read(std::size_t line, LineEnds& ends) const {
 
 void Dexels::write(std::size_t line, std::span<const SpanEnd> ends) {
   if (ends.size() > 2) {
-    std::copy(ends.begin(), ends.end(), takePlace(line, ends.size()));
+    SpanEnd* const place = takePlace(line, ends.size());
+    std::copy(ends.begin(), ends.end(), place);
+    if (!keepsOperations())
+      for (std::size_t i = 0; i < ends.size(); ++i) place[i].inner = place[i].outer = OperationId::None;
   } else {
     givePlaceBack(line);
   }

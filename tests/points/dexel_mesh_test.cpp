@@ -526,7 +526,7 @@ TEST_F(MeshDexelsData, BadMeshesGiveASentenceOrAModelAndARepairedModelWhereThere
         EXPECT_GT(std::string(error.what()).size(), 20u);
       }
       // A winding number for each of many points: of the smaller ones.
-      if (kSanitized || mesh.triangles.size() > 1400) continue;
+      if (kSanitized || mesh.triangles.size() > 300) continue;
       try {
         const MeshModel made = meshModelOf(mesh, {.lines = lines, .repair = MeshRepair::Winding});
         EXPECT_EQ(made.lines, MeshLines{});
