@@ -152,6 +152,50 @@ TEST(MeshScan, MeetsAClosedMeshAnEvenNumberOfTimesOnEveryLine) {
   compareWithDefinition(boxMesh({0, 0, 0}, {4, 5, 6}), wholeNumbers(-1, 7), true);
 }
 
+// A box that lies on the lines, turned by what cosines and sines of quarter turns are in double: its edges
+// are beside the lines by less than float32 can tell, and most doubles.
+TEST(MeshScan, TakesVerticesInDoubleAsTheyAre) {
+  Random random(29);
+  std::vector<double> places;
+  for (int i = -8; i <= 8; ++i) places.push_back(i);
+  int crossed = 0;
+  for (int round = 0; round < 100; ++round) {
+    const TriangleMesh box = boxMesh({-3, -2, -1}, {3, 4, 5});
+    const auto tiny = [&] { return static_cast<double>(random.between(-1, 1)) * 0x1p-52; };
+    std::vector<DVec3> vertices;
+    const double c = tiny(), s = 1 + tiny(), d = tiny();
+    for (const Point& p : box.vertices) {
+      const DVec3 q(p);
+      vertices.emplace_back(c * q.x - s * q.y + d * q.z, s * q.x + c * q.y, q.z + d * q.x);
+    }
+    const MeshScan scan({vertices, box.triangles}, {places, places});
+    RowCrossings rows;
+    for (int band = 0; band < scan.bandCount(); ++band) {
+      scan.scan(band, rows);
+      for (int row = rows.firstRow; row < rows.firstRow + rows.rows; ++row)
+        for (int column = 0; column < rows.width; ++column) {
+          const DVec2 line(places[static_cast<std::size_t>(column)], places[static_cast<std::size_t>(row)]);
+          const auto sideOf = [&](std::uint32_t from, std::uint32_t to) {
+            const DVec3 &a = vertices[from], &b = vertices[to];
+            if (const int side = sideOfLine({a.x, a.y}, {b.x, b.y}, line); side != 0) return side;
+            if (a.y != b.y) return a.y > b.y ? 1 : -1;
+            return a.x == b.x ? 0 : a.x < b.x ? 1 : -1;
+          };
+          std::vector<int> found(box.triangles.size()), expected;
+          for (const LineCrossing& crossing : rows.of(column, row))
+            found[crossing.triangle] += crossing.leaves ? 1 : -1;
+          for (const auto& [i, j, k] : box.triangles) {
+            const int side = sideOf(i, j);
+            expected.push_back(sideOf(j, k) == side && sideOf(k, i) == side ? side : 0);
+          }
+          ASSERT_EQ(found, expected) << line.x << ", " << line.y;
+          crossed += !rows.of(column, row).empty();
+        }
+    }
+  }
+  EXPECT_GT(crossed, 100 * 25);
+}
+
 TEST(MeshScan, FindsDepthsOnThePlaneOfTheTriangle) {
   Random random(3);
   for (int round = 0; round < 200; ++round) {
