@@ -68,7 +68,7 @@ MeshScan::MeshScan(const LatticeMesh& mesh, const LineLattice& lattice) : mesh_(
   }
   for (std::size_t band = 1; band < bandBegin_.size(); ++band) bandBegin_[band] += bandBegin_[band - 1];
   triangles_.resize(bandBegin_.back());
-  std::vector<std::uint32_t> next(bandBegin_.begin(), bandBegin_.end() - 1);
+  std::vector<std::size_t> next(bandBegin_.begin(), bandBegin_.end() - 1);
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const Bands bands = bandsOf(mesh.triangles[i]);
     for (int band = bands.first; band <= bands.last; ++band)
@@ -145,7 +145,7 @@ void MeshScan::scan(int band, RowCrossings& crossings) const {
   crossings.rows = end - crossings.firstRow;
   crossings.width = static_cast<int>(lattice_.columns.size());
   crossings.found_.clear();
-  for (std::uint32_t k = bandBegin_[static_cast<std::size_t>(band)];
+  for (std::size_t k = bandBegin_[static_cast<std::size_t>(band)];
        k < bandBegin_[static_cast<std::size_t>(band) + 1]; ++k) {
     const auto& t = mesh_.triangles[triangles_[k]];
     const int a = places_[t[0]].row, b = places_[t[1]].row, c = places_[t[2]].row;

@@ -182,8 +182,14 @@ TEST(MeshScan, TakesVerticesInDoubleAsTheyAre) {
             return a.x == b.x ? 0 : a.x < b.x ? 1 : -1;
           };
           std::vector<int> found(box.triangles.size()), expected;
-          for (const LineCrossing& crossing : rows.of(column, row))
+          for (const LineCrossing& crossing : rows.of(column, row)) {
             found[crossing.triangle] += crossing.leaves ? 1 : -1;
+            // However steep the triangle.
+            const auto& [i, j, k] = box.triangles[crossing.triangle];
+            const double depths[] = {vertices[i].z, vertices[j].z, vertices[k].z};
+            ASSERT_GE(crossing.depth, static_cast<float>(*std::min_element(depths, depths + 3)));
+            ASSERT_LE(crossing.depth, static_cast<float>(*std::max_element(depths, depths + 3)));
+          }
           for (const auto& [i, j, k] : box.triangles) {
             const int side = sideOf(i, j);
             expected.push_back(sideOf(j, k) == side && sideOf(k, i) == side ? side : 0);
@@ -249,6 +255,36 @@ TEST(MeshScan, TakesLinesAtAnyAscendingCoordinates) {
         }
       }
   }
+}
+
+TEST(ParitySpans, AnEndHasTheNormalOfATriangleThatFacesAsItDoes) {
+  const std::vector<DVec3> vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {4, 0, 3}, {4, 0, -3}, {0, 4, -3}};
+  const std::vector<std::array<std::uint32_t, 3>> triangles = {{0, 2, 1}, {0, 2, 3}, {0, 1, 5}, {0, 2, 4}};
+  const FaceNormals normals(vertices, triangles);
+  const PackedNormal along = packNormal({0, 0, 1});
+  ParitySpans line;
+  const std::vector<LineCrossing> crossings = {{0, 0, false}, {1, 1, false}, {1, 2, true},
+                                               {1, 3, false}, {2, 3, true},  {2, 1, false}};
+  findSpans(crossings, normals, along, line);
+  ASSERT_EQ(line.spans.size(), 1u);
+  EXPECT_EQ(line.spans[0].enter, 0);
+  EXPECT_EQ(line.spans[0].exit, 1);
+  EXPECT_EQ(line.spans[0].enterNormal, packNormal({0, 0, -1}));
+  EXPECT_EQ(line.spans[0].exitNormal, packNormal({0, 0.6f, 0.8f}));
+  EXPECT_TRUE(line.overlaps);
+  // None does: the first, turned around. A triangle without a normal has the line's direction.
+  const std::vector<std::array<std::uint32_t, 3>> withThin = {{0, 2, 1}, {0, 1, 1}};
+  const FaceNormals thin(vertices, withThin);
+  findSpans(std::vector<LineCrossing>{{0, 1, false}, {1, 0, false}}, thin, along, line);
+  ASSERT_EQ(line.spans.size(), 1u);
+  EXPECT_EQ(line.spans[0].enterNormal, turnedAround(along));
+  EXPECT_EQ(line.spans[0].exitNormal, along);
+  findSpans(std::vector<LineCrossing>{{0, 0, false}}, thin, along, line);
+  EXPECT_TRUE(line.isOdd);
+  EXPECT_TRUE(line.spans.empty());
+  findSpans({}, thin, along, line);
+  EXPECT_FALSE(line.isOdd);
+  EXPECT_TRUE(line.spans.empty());
 }
 
 LineEnds endsOf(const TriDexel& model, int axis, int column, int row) {
