@@ -31,8 +31,7 @@ class Lookup {
     const auto size = static_cast<int>(at_.size());
     if (size == 0 || !(x > at_.front())) return 0;
     if (x > at_.back()) return size;
-    auto i = static_cast<std::size_t>((x - at_.front()) * perStep_);
-    i = std::min(i, at_.size() - 1);
+    auto i = static_cast<std::size_t>(std::min(static_cast<double>(size - 1), (x - at_.front()) * perStep_));
     while (i > 0 && at_[i - 1] >= x) --i;
     while (at_[i] < x) ++i;
     return static_cast<int>(i);
