@@ -148,7 +148,7 @@ DexelTool::DexelTool(TriangleMesh mesh, const Execution& execution) : mesh_(std:
   throw InputError(
       fmt::format("edges of the tool that belong to an odd number of triangles: {}, the first, of {}, from "
                   "{} to {}; a line has to "
-                  "leave a solid as often as it enters (repair winding makes a solid of the mesh)",
+                  "leave a solid as often as it enters (--repair winding makes a solid of the mesh)",
                   odd.count, first.triangles, text(first.ends[0]), text(first.ends[1])));
 }
 

@@ -165,7 +165,7 @@ MeshModel meshModelOf(const TriangleMesh& mesh, const MeshModelOptions& options,
     made.solid = mesh;
   }
   SampledMesh sampled = sampleMesh(made.solid, dexelGridFor(boundsOf(made.solid), options.lines), execution);
-  refuseOdd(sampled.lines, " (repair winding makes a solid of the mesh)");
+  refuseOdd(sampled.lines, " (--repair winding makes a solid of the mesh)");
   made.model = std::move(sampled.model);
   made.lines = std::move(sampled.lines);
   return made;

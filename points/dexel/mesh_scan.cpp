@@ -31,8 +31,7 @@ class Lookup {
     const auto size = static_cast<int>(at_.size());
     if (size == 0 || !(x > at_.front())) return 0;
     if (x > at_.back()) return size;
-    auto i = static_cast<std::size_t>((x - at_.front()) * perStep_);
-    i = std::min(i, at_.size() - 1);
+    auto i = static_cast<std::size_t>(std::min(static_cast<double>(size - 1), (x - at_.front()) * perStep_));
     while (i > 0 && at_[i - 1] >= x) --i;
     while (at_[i] < x) ++i;
     return static_cast<int>(i);
@@ -62,18 +61,18 @@ MeshScan::MeshScan(const LatticeMesh& mesh, const LineLattice& lattice) : mesh_(
     return isMissed ? Bands{0, -1} : Bands{first / kBandRows, (end - 1) / kBandRows};
   };
   bandBegin_.assign((lattice.rows.size() + kBandRows - 1) / kBandRows + 1, 0);
+  std::vector<Bands> all;
+  all.reserve(mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
-    const Bands bands = bandsOf(t);
+    const Bands& bands = all.emplace_back(bandsOf(t));
     for (int band = bands.first; band <= bands.last; ++band) ++bandBegin_[static_cast<std::size_t>(band) + 1];
   }
   for (std::size_t band = 1; band < bandBegin_.size(); ++band) bandBegin_[band] += bandBegin_[band - 1];
   triangles_.resize(bandBegin_.back());
-  std::vector<std::uint32_t> next(bandBegin_.begin(), bandBegin_.end() - 1);
-  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Bands bands = bandsOf(mesh.triangles[i]);
-    for (int band = bands.first; band <= bands.last; ++band)
+  std::vector<std::size_t> next(bandBegin_.begin(), bandBegin_.end() - 1);
+  for (std::uint32_t i = 0; i < all.size(); ++i)
+    for (int band = all[i].first; band <= all[i].last; ++band)
       triangles_[next[static_cast<std::size_t>(band)]++] = i;
-  }
 }
 
 // Exactly: is the line before the edge, which runs from its lower to its higher end?
@@ -110,16 +109,20 @@ MeshScan::EdgeAt MeshScan::edgeAt(std::uint32_t low, std::uint32_t high, int row
 
 void MeshScan::scanRow(std::uint32_t triangle, int row, RowCrossings& crossings) const {
   const auto& corners = mesh_.triangles[triangle];
-  EdgeAt up{}, down{};  // the edges that the triangle runs along upwards and downwards
+  // The edges that the triangle runs along upwards and downwards, each from its lower end.
+  std::array<std::uint32_t, 2> upwards{}, downwards{};
   for (std::size_t i = 0; i < 3; ++i) {
     const std::uint32_t from = corners[i], to = corners[i == 2 ? 0 : i + 1];
     const bool startsBelow = places_[from].row <= row, endsBelow = places_[to].row <= row;
-    if (startsBelow == endsBelow) continue;
-    if (startsBelow)
-      up = edgeAt(from, to, row);
-    else
-      down = edgeAt(to, from, row);
+    if (startsBelow && !endsBelow) upwards = {from, to};
+    if (!startsBelow && endsBelow) downwards = {to, from};
   }
+  // Most triangles of a fine mesh are between the lines.
+  const int column = places_[upwards[0]].column;
+  if (column == places_[upwards[1]].column && column == places_[downwards[0]].column &&
+      column == places_[downwards[1]].column)
+    return;
+  const EdgeAt up = edgeAt(upwards[0], upwards[1], row), down = edgeAt(downwards[0], downwards[1], row);
   // Counter-clockwise, as a triangle runs whose normal points to whoever looks back along the lines, the edge
   // on the left goes down.
   const bool leaves = down.firstColumn < up.firstColumn;
@@ -129,13 +132,13 @@ void MeshScan::scanRow(std::uint32_t triangle, int row, RowCrossings& crossings)
   const double slope = width > 0 ? (right.depth - left.depth) / width : 0;
   const auto [nearest, furthest] = std::minmax(left.depth, right.depth);
   const auto first = static_cast<std::uint32_t>((row - crossings.firstRow) * crossings.width);
-  for (int column = left.firstColumn; column < right.firstColumn; ++column) {
-    double depth = left.depth + (lattice_.columns[static_cast<std::size_t>(column)] - left.column) * slope;
+  for (int i = left.firstColumn; i < right.firstColumn; ++i) {
+    double depth = left.depth + (lattice_.columns[static_cast<std::size_t>(i)] - left.column) * slope;
     depth = depth > nearest ? depth : nearest;
     depth = depth < furthest ? depth : furthest;
     // Of the two zeros always the same.
     const float rounded = static_cast<float>(depth) + 0.0f;
-    crossings.found_.push_back({first + static_cast<std::uint32_t>(column), {rounded, triangle, leaves}});
+    crossings.found_.push_back({first + static_cast<std::uint32_t>(i), {rounded, triangle, leaves}});
   }
 }
 
@@ -145,7 +148,7 @@ void MeshScan::scan(int band, RowCrossings& crossings) const {
   crossings.rows = end - crossings.firstRow;
   crossings.width = static_cast<int>(lattice_.columns.size());
   crossings.found_.clear();
-  for (std::uint32_t k = bandBegin_[static_cast<std::size_t>(band)];
+  for (std::size_t k = bandBegin_[static_cast<std::size_t>(band)];
        k < bandBegin_[static_cast<std::size_t>(band) + 1]; ++k) {
     const auto& t = mesh_.triangles[triangles_[k]];
     const int a = places_[t[0]].row, b = places_[t[1]].row, c = places_[t[2]].row;

@@ -2,6 +2,7 @@
 // Where parallel lines pass through the triangles of a mesh. Internal to points/dexel.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -96,7 +97,7 @@ class MeshScan {
   LatticeMesh mesh_;
   LineLattice lattice_;
   std::vector<Place> places_;
-  std::vector<std::uint32_t> bandBegin_;  // of each band in triangles_, and the end of the last
+  std::vector<std::size_t> bandBegin_;    // of each band in triangles_, and the end of the last
   std::vector<std::uint32_t> triangles_;  // that meet lines of the band, ascending
 };
 
@@ -119,8 +120,8 @@ class FaceNormals {
 struct ParitySpans {
   std::vector<ToolSpan> spans;  ///< ascending, apart from each other, none without length
   bool isOdd = false;           ///< an odd number of crossings; there are no spans then
-  /// Surfaces overlap, or face different ways: going around a stretch of the line happens other than once and
-  /// never. Parity takes every second one of the layers as outside.
+  /// Surfaces overlap, or face different ways: the winding numbers along the line are not all 0 or 1, nor all
+  /// 0 or -1. Parity takes what an even number of layers cover as outside.
   bool overlaps = false;
 };
 /// Crossings at the same depth cancel out in pairs: solids that touch become one, sheets without thickness

@@ -109,6 +109,27 @@ TEST(MeshFaults, TwoBoxesThatShareAnEdgeHaveAnEdgeOfFourTriangles) {
   EXPECT_EQ(describe(f), "one edge belongs to more than two triangles: 6-7 from (0, 1, 1) to (1, 1, 1)");
 }
 
+TEST(MeshFaults, EdgesOfAnOddNumberOfTrianglesAreFoundAndNoOthers) {
+  const TriangleMesh box = boxMesh({0, 0, 0}, {1, 1, 1});
+  EXPECT_EQ(oddEdgesOf(box).count, 0u);
+  EXPECT_EQ(oddEdgesOf({}).count, 0u);
+  TriangleMesh open = box;
+  open.triangles.pop_back();
+  const auto odd = oddEdgesOf(open);
+  EXPECT_EQ(odd.count, 3u);
+  EXPECT_EQ(odd.first, faultsOf(open).borders.first);
+  TriangleMesh finned = box;  // three triangles at the edge 0-1
+  finned.vertices.push_back({0.5f, -1, 0});
+  finned.triangles.push_back({0, 1, 8});
+  EXPECT_EQ(oddEdgesOf(finned).count, 3u);
+  EXPECT_EQ(oddEdgesOf(finned).first[0].triangles, 3u);
+  finned.triangles.push_back({0, 1, 8});  // and four
+  finned.triangles.push_back({0, 0, 1});  // a triangle that is an edge has no say
+  EXPECT_EQ(oddEdgesOf(finned).count, 0u);
+  finned.triangles.push_back({0, 1, 9});
+  EXPECT_THROW((void)oddEdgesOf(finned), InputError);
+}
+
 TEST(MeshFaults, TwoBoxesThatShareAVertexArePinchedThere) {
   TriangleMesh mesh = together(boxMesh({0, 0, 0}, {1, 1, 1}), boxMesh({1, 1, 1}, {2, 2, 2}));
   for (auto& t : mesh.triangles)
@@ -333,6 +354,33 @@ TEST(ExactPredicates, DecideWhereDoublesRound) {
   EXPECT_TRUE(areCollinear({Point(1, 2, 3), Point(1, 2, 3), Point(4, 5, 6)}));
   EXPECT_TRUE(meet(floor, Segment{Point(0.25f, 0.25f, 0), Point(0.25f, 0.25f, 1)}));
   EXPECT_FALSE(meet(floor, Segment{Point(0.25f, 0.25f, tiny), Point(0.25f, 0.25f, 1)}));
+}
+
+TEST(ExactPredicates, TheSideOfALineIsTheSignOfADeterminantOfWholeNumbers) {
+  // Numbers of 53 digits in a small part of the plane: doubles cannot tell their products apart.
+  std::uint64_t state = 5;
+  const auto next = [&] {
+    return static_cast<std::int64_t>((state = state * 6364136223846793005u + 1) >> 61);
+  };
+  int zeros = 0;
+  for (int i = 0; i < 2000; ++i) {
+    constexpr std::int64_t kFar = std::int64_t{1} << 52;
+    const std::int64_t ax = kFar + next(), ay = kFar + next(), bx = 2 * kFar - 64 + next(),
+                       by = 2 * kFar - 64 + next();
+    const std::int64_t px = kFar / 2 * 3 + next(), py = kFar / 2 * 3 + next();
+    // (far + a) (far / 2 + b) - (far + c) (far / 2 + d), without what cancels.
+    const std::int64_t a = bx - ax - kFar, b = py - ay - kFar / 2, c = by - ay - kFar, d = px - ax - kFar / 2;
+    const std::int64_t determinant = kFar / 2 * (a + 2 * b - c - 2 * d) + a * b - c * d;
+    const int expected = determinant > 0 ? 1 : determinant < 0 ? -1 : 0;
+    zeros += expected == 0;
+    const auto point = [](std::int64_t x, std::int64_t y) {
+      return DVec2(static_cast<double>(x), static_cast<double>(y));
+    };
+    EXPECT_EQ(sideOfLine(point(ax, ay), point(bx, by), point(px, py)), expected);
+    EXPECT_EQ(sideOfLine(point(bx, by), point(ax, ay), point(px, py)), -expected);
+  }
+  EXPECT_GT(zeros, 5);
+  EXPECT_EQ(sideOfLine({1, 2}, {1, 2}, {5, 7}), 0);
 }
 
 TEST(ExactPredicates, CrossingsOfAClosedMeshSumToItsWindingNumberAlsoThroughVerticesAndEdges) {
