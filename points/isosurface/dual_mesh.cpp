@@ -177,6 +177,10 @@ DVec3 DualMesh::positionOf(const GridEdge& edge, const EdgeCrossing& crossing) c
 
 void DualMesh::placePatches() {
   forRows(grid_, [&](std::size_t row) {
+    thread_local std::vector<std::uint32_t> numbers;  // of the row's patches, and their sums
+    thread_local std::vector<DVec3> safeSums;
+    numbers.clear();
+    safeSums.clear();
     grid_.forCellsOf(row, [&](std::size_t number, GridIndex cell) {
       const CutCell& cut = cells_[number];
       const CellPatches topology = patchesOf(cut.corners, cut.joinedFaces);
@@ -196,9 +200,20 @@ void DualMesh::placePatches() {
       for (std::uint8_t k = 0; k < topology.count; ++k) {
         patches_[cut.firstPatch + k].cell = cell;
         patches_[cut.firstPatch + k].isOnly = topology.count == 1;
-        placePatch(cut.firstPatch + k, safeSum[k]);
+        numbers.push_back(cut.firstPatch + k);
+        safeSums.push_back(safeSum[k]);
       }
     });
+    for (std::size_t i = 0; i < numbers.size(); i += Qef::kBatch) {
+      // The last one stands in for what a batch lacks.
+      Qef::Batch batch;
+      for (std::size_t k = 0; k < Qef::kBatch; ++k)
+        batch[k] = &patches_[numbers[std::min(i + k, numbers.size() - 1)]].qef;
+      std::array<Qef::Minimum, Qef::kBatch> minima;
+      Qef::minimaWithin(0.5 - kInset, batch, minima);
+      for (std::size_t k = 0; k < std::min(Qef::kBatch, numbers.size() - i); ++k)
+        placePatch(numbers[i + k], minima[k], safeSums[i + k]);
+    }
   });
 }
 
@@ -210,9 +225,8 @@ Point DualMesh::within(GridIndex cell, Point p) const {
   return p;
 }
 
-void DualMesh::placePatch(std::uint32_t number, DVec3 safeSum) {
+void DualMesh::placePatch(std::uint32_t number, const Qef::Minimum& best, DVec3 safeSum) {
   Patch& patch = patches_[number];
-  const Qef::Minimum best = patch.qef.minimumWithin(0.5 - kInset);
   patch.rank = static_cast<std::uint8_t>(best.rank);
   patch.at[1] = within(patch.cell, Point(centerOf(patch.cell) + best.position * grid_.cell()));
   patch.at[2] = within(patch.cell, Point(safeSum / static_cast<double>(patch.qef.count())));
@@ -471,7 +485,8 @@ bool DualMesh::isInOrder(std::uint32_t number, const GridEdge& edge) const {
   const std::size_t i = splits_[number] == Split::Diagonal02 ? 0 : 1;
   const Local &s = p[i], &t = p[i + 2];
   const double side = area(s, t);
-  // Counter-clockwise the vertices are s, p[i + 1], t, p[i + 3]: the diagonal passes the edge on the side of d.
+  // Counter-clockwise the vertices are s, p[i + 1], t, p[i + 3]: the diagonal passes the edge on the side of
+  // d.
   const Local &next = p[i + 1], &last = p[(i + 3) % 4];
   const Local &d = side > 0 ? next : last, &other = side > 0 ? last : next;
   const double ws = area(other, t), wt = area(s, other), wo = -side, sum = ws + wt + wo;
