@@ -42,12 +42,13 @@ class TriDexelSource final : public GridSource {
   DexelGrid around_;
 };
 
-/// The boundary of the solid as a mesh that is closed, manifold and faces outwards, on the grid of the lines:
-/// see isosurfaceOf. Its edges and corners stay sharp, by the normals of the ends. What lies between the
-/// lines is not seen, and of what is thinner than a cell only what holds grid points. An empty model gives an
-/// empty mesh. Throws InputError when the grid would have more than kMaxGridPoints points or the surface
-/// cross more than 2^28 of its edges. Same model, same bits, whatever the execution. O(grid points / 64 +
-/// ends).
+/// The boundary of the solid as a mesh that is closed, manifold and faces outwards (where lines contradict
+/// each other a piece may face inwards), on the grid of the lines: see isosurface.h. Its edges and corners
+/// stay sharp, by the normals of the ends. What lies between the lines is not seen, and of what is thinner
+/// than a cell only what holds grid points. A vertex is within a cell of the solid's surface, but for a few
+/// on ridges thinner than a cell, which are within a cell's diagonal. An empty model gives an empty mesh.
+/// Throws InputError when the grid would have more than kMaxGridPoints points or the surface cross more than
+/// 2^28 of its edges. Same model, same bits, whatever the execution. O(grid points / 64 + ends).
 [[nodiscard]] Isosurface isosurfaceOf(const TriDexel& model, const Execution& execution = {});
 
 }  // namespace restroke::points

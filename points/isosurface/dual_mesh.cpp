@@ -79,12 +79,6 @@ void forRows(const SideGrid& grid, const F& f) {
                     });
 }
 
-template <class F>
-void forAllEdges(const SideGrid& grid, const F& f) {
-  for (int axis = 0; axis < 3; ++axis)
-    for (std::size_t row = 0; row < grid.rows(); ++row) grid.forEdgesOf(axis, row, f);
-}
-
 GridIndex stepped(GridIndex i, int axis) {
   ++i[static_cast<std::size_t>(axis)];
   return i;
@@ -177,6 +171,10 @@ DVec3 DualMesh::positionOf(const GridEdge& edge, const EdgeCrossing& crossing) c
 
 void DualMesh::placePatches() {
   forRows(grid_, [&](std::size_t row) {
+    thread_local std::vector<std::uint32_t> numbers;  // of the row's patches, and their sums
+    thread_local std::vector<DVec3> safeSums;
+    numbers.clear();
+    safeSums.clear();
     grid_.forCellsOf(row, [&](std::size_t number, GridIndex cell) {
       const CutCell& cut = cells_[number];
       const CellPatches topology = patchesOf(cut.corners, cut.joinedFaces);
@@ -196,9 +194,20 @@ void DualMesh::placePatches() {
       for (std::uint8_t k = 0; k < topology.count; ++k) {
         patches_[cut.firstPatch + k].cell = cell;
         patches_[cut.firstPatch + k].isOnly = topology.count == 1;
-        placePatch(cut.firstPatch + k, safeSum[k]);
+        numbers.push_back(cut.firstPatch + k);
+        safeSums.push_back(safeSum[k]);
       }
     });
+    for (std::size_t i = 0; i < numbers.size(); i += Qef::kBatch) {
+      // The last one stands in for what a batch lacks.
+      Qef::Batch batch;
+      for (std::size_t k = 0; k < Qef::kBatch; ++k)
+        batch[k] = &patches_[numbers[std::min(i + k, numbers.size() - 1)]].qef;
+      std::array<Qef::Minimum, Qef::kBatch> minima;
+      Qef::minimaWithin(0.5 - kInset, batch, minima);
+      for (std::size_t k = 0; k < std::min(Qef::kBatch, numbers.size() - i); ++k)
+        placePatch(numbers[i + k], minima[k], safeSums[i + k]);
+    }
   });
 }
 
@@ -210,9 +219,8 @@ Point DualMesh::within(GridIndex cell, Point p) const {
   return p;
 }
 
-void DualMesh::placePatch(std::uint32_t number, DVec3 safeSum) {
+void DualMesh::placePatch(std::uint32_t number, const Qef::Minimum& best, DVec3 safeSum) {
   Patch& patch = patches_[number];
-  const Qef::Minimum best = patch.qef.minimumWithin(0.5 - kInset);
   patch.rank = static_cast<std::uint8_t>(best.rank);
   patch.at[1] = within(patch.cell, Point(centerOf(patch.cell) + best.position * grid_.cell()));
   patch.at[2] = within(patch.cell, Point(safeSum / static_cast<double>(patch.qef.count())));
@@ -364,43 +372,80 @@ std::uint32_t DualMesh::partnerAcross(const GridEdge& edge, int side) const {
 DualMesh::Triangles DualMesh::triangles() const {
   Triangles out;
   TriangleMesh& mesh = out.mesh;
-  mesh.vertices.reserve(patches_.size());
-  for (std::uint32_t i = 0; i < patches_.size(); ++i) mesh.vertices.push_back(positionOf(i));
-  mesh.triangles.reserve(2 * quads_.size());
-  out.quad.reserve(2 * quads_.size());
-  const auto add = [&](std::uint32_t quad, std::array<std::uint32_t, 3> triangle) {
-    mesh.triangles.push_back(triangle);
-    out.quad.push_back(quad);
+  // The fans one after the other, as they number their vertices; where each quad's triangles begin.
+  struct Fan {
+    std::uint32_t quad;
+    GridEdge edge;
   };
+  std::vector<std::vector<Fan>> fansOfRows(3 * grid_.rows());
+  forRows(grid_, [&](std::size_t row) {
+    for (int axis = 0; axis < 3; ++axis)
+      grid_.forEdgesOf(axis, row, [&](std::size_t number, const GridEdge& edge) {
+        const auto q = static_cast<std::uint32_t>(number);
+        if (isFan(q)) fansOfRows[static_cast<std::size_t>(axis) * grid_.rows() + row].push_back({q, edge});
+      });
+  });
+  mesh.vertices.resize(patches_.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches_.size(), 4096),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t i = range.begin(); i < range.end(); ++i)
+                        mesh.vertices[i] = positionOf(static_cast<std::uint32_t>(i));
+                    });
   const auto newVertex = [&](Point p) {
     mesh.vertices.push_back(p);
     return static_cast<std::uint32_t>(mesh.vertices.size() - 1);
   };
+  using Corners = std::array<std::uint32_t, 3>;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> onFaces;  // by the two crossed edges
-  forAllEdges(grid_, [&](std::size_t number, const GridEdge& edge) {
-    const auto q = static_cast<std::uint32_t>(number);
-    const Quad& quad = quads_[q];
-    if (!isFan(q)) {
-      const std::size_t i = splits_[q] == Split::Diagonal02 ? 0 : 1;
-      add(q, {quad[i], quad[i + 1], quad[i + 2]});
-      add(q, {quad[i], quad[i + 2], quad[(i + 3) % 4]});
-      return;
-    }
-    const std::uint32_t middle = newVertex(crossings_[q].safe);
-    for (int i = 0; i < 4; ++i) {
-      const std::uint32_t from = quad[static_cast<std::size_t>(i)],
-                          to = quad[static_cast<std::size_t>((i + 1) % 4)];
-      if (!isCone(from) && !isCone(to) && (doubleSides_[q] >> i & 1) == 0) {
-        add(q, {middle, from, to});
-        continue;
+  std::vector<std::uint32_t> fans, fanEnds;  // the fans' quads, and where their triangles end in the next
+  std::vector<Corners> fanTriangles;
+  for (const std::vector<Fan>& ofRow : fansOfRows)
+    for (const auto& [q, edge] : ofRow) {
+      const Quad& quad = quads_[q];
+      const std::uint32_t middle = newVertex(crossings_[q].safe);
+      for (int i = 0; i < 4; ++i) {
+        const std::uint32_t from = quad[static_cast<std::size_t>(i)],
+                            to = quad[static_cast<std::size_t>((i + 1) % 4)];
+        if (!isCone(from) && !isCone(to) && (doubleSides_[q] >> i & 1) == 0) {
+          fanTriangles.push_back({middle, from, to});
+          continue;
+        }
+        const std::uint32_t other = partnerAcross(edge, grid_.inside(edge.low) ? i : 3 - i);
+        const auto [it, isNew] = onFaces.emplace(std::minmax(q, other), 0);
+        if (isNew) it->second = newVertex((crossings_[q].safe + crossings_[other].safe) * 0.5f);
+        fanTriangles.push_back({middle, from, it->second});
+        fanTriangles.push_back({middle, it->second, to});
       }
-      const std::uint32_t other = partnerAcross(edge, grid_.inside(edge.low) ? i : 3 - i);
-      const auto [it, isNew] = onFaces.emplace(std::minmax(q, other), 0);
-      if (isNew) it->second = newVertex((crossings_[q].safe + crossings_[other].safe) * 0.5f);
-      add(q, {middle, from, it->second});
-      add(q, {middle, it->second, to});
+      fans.push_back(q);
+      fanEnds.push_back(static_cast<std::uint32_t>(fanTriangles.size()));
     }
-  });
+  // Quads between fans have two triangles each.
+  const std::size_t count = 2 * (quads_.size() - fans.size()) + fanTriangles.size();
+  mesh.triangles.resize(count);
+  out.quad.resize(count);
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, quads_.size(), 4096),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        auto fan = static_cast<std::size_t>(
+            std::lower_bound(fans.begin(), fans.end(), static_cast<std::uint32_t>(range.begin())) -
+            fans.begin());
+        std::size_t fanAt = fan > 0 ? fanEnds[fan - 1] : 0, at = 2 * (range.begin() - fan) + fanAt;
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          const auto q = static_cast<std::uint32_t>(i);
+          const std::size_t first = at;
+          if (fan < fans.size() && fans[fan] == q) {
+            for (; fanAt < fanEnds[fan]; ++fanAt) mesh.triangles[at++] = fanTriangles[fanAt];
+            ++fan;
+          } else {
+            const Quad& quad = quads_[q];
+            const std::size_t k = splits_[q] == Split::Diagonal02 ? 0 : 1;
+            mesh.triangles[at++] = {quad[k], quad[k + 1], quad[k + 2]};
+            mesh.triangles[at++] = {quad[k], quad[k + 2], quad[(k + 3) % 4]};
+          }
+          std::fill(out.quad.begin() + static_cast<std::ptrdiff_t>(first),
+                    out.quad.begin() + static_cast<std::ptrdiff_t>(at), q);
+        }
+      });
   return out;
 }
 
@@ -471,7 +516,8 @@ bool DualMesh::isInOrder(std::uint32_t number, const GridEdge& edge) const {
   const std::size_t i = splits_[number] == Split::Diagonal02 ? 0 : 1;
   const Local &s = p[i], &t = p[i + 2];
   const double side = area(s, t);
-  // Counter-clockwise the vertices are s, p[i + 1], t, p[i + 3]: the diagonal passes the edge on the side of d.
+  // Counter-clockwise the vertices are s, p[i + 1], t, p[i + 3]: the diagonal passes the edge on the side of
+  // d.
   const Local &next = p[i + 1], &last = p[(i + 3) % 4];
   const Local &d = side > 0 ? next : last, &other = side > 0 ? last : next;
   const double ws = area(other, t), wt = area(s, other), wo = -side, sum = ws + wt + wo;

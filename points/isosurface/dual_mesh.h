@@ -101,7 +101,7 @@ class DualMesh {
   void findPatches(const ContourSource& source);
   void placePatches();
   [[nodiscard]] Point within(GridIndex cell, Point p) const;
-  void placePatch(std::uint32_t patch, DVec3 mean);
+  void placePatch(std::uint32_t patch, const Qef::Minimum& best, DVec3 safeSum);
   void placeSharp(const ContourSource& source);
   [[nodiscard]] std::optional<Claim> claimOf(std::uint32_t patch, const ContourSource& source) const;
   void findQuads();

@@ -56,6 +56,67 @@ bool meetBadly(const TriangleMesh& mesh, Corners s, Corners t) {
   return meet(a, b);
 }
 
+// Where the chosen triangles are, in blocks of space: most others are near none of them.
+class NearBlocks {
+ public:
+  explicit NearBlocks(const Box& bounds) : low_(bounds.min) {
+    const Vec3 size = bounds.max - bounds.min;
+    const float longest = std::max({size.x, size.y, size.z});
+    scale_ = longest > 0 ? static_cast<float>(kBlocks) / longest : 0;
+    if (!std::isfinite(scale_)) scale_ = 0;
+    bits_.resize(static_cast<std::size_t>(kBlocks) * kBlocks * kBlocks);
+  }
+  void add(const Box& box) {
+    forBlocks(box, [&](std::size_t block) {
+      bits_[block] = true;
+      return false;
+    });
+  }
+  /// May the box touch one that was added?
+  [[nodiscard]] bool isNear(const Box& box) const {
+    return forBlocks(box, [&](std::size_t block) { return bits_[block]; });
+  }
+
+ private:
+  static constexpr int kBlocks = 96;
+
+  // Monotone, so that boxes with a point in common have a block in common.
+  [[nodiscard]] int blockOf(float x, int axis) const {
+    return static_cast<int>(std::clamp((x - low_[axis]) * scale_, 0.0f, static_cast<float>(kBlocks - 1)));
+  }
+  // Whether f says yes to a block that the box touches; the first one ends the walk.
+  template <class F>
+  bool forBlocks(const Box& box, const F& f) const {
+    int from[3], to[3];
+    for (int a = 0; a < 3; ++a) {
+      from[a] = blockOf(box.min[a], a);
+      to[a] = blockOf(box.max[a], a);
+    }
+    for (int z = from[2]; z <= to[2]; ++z)
+      for (int y = from[1]; y <= to[1]; ++y)
+        for (int x = from[0]; x <= to[0]; ++x)
+          if (f((static_cast<std::size_t>(z) * kBlocks + static_cast<std::size_t>(y)) * kBlocks +
+                static_cast<std::size_t>(x)))
+            return true;
+    return false;
+  }
+
+  Point low_;
+  float scale_;
+  std::vector<bool> bits_;
+};
+
+Box boxOf(const TriangleMesh& mesh, const Corners& corners) {
+  Box box{mesh.vertices[corners[0]], mesh.vertices[corners[0]]};
+  for (const std::uint32_t v : {corners[1], corners[2]})
+    for (int a = 0; a < 3; ++a) {
+      const float x = mesh.vertices[v][a];
+      if (x < box.min[a]) box.min[a] = x;
+      if (x > box.max[a]) box.max[a] = x;
+    }
+  return box;
+}
+
 }  // namespace
 
 std::vector<std::array<std::uint32_t, 2>> meetingPairs(const TriangleMesh& mesh,
@@ -71,6 +132,8 @@ std::vector<std::array<std::uint32_t, 2>> meetingPairs(const TriangleMesh& mesh,
   if (numbers.empty()) return {};
   few.vertices = mesh.vertices;
   const TriangleTree tree(few);
+  NearBlocks blocks(tree.nodes()[0].box);
+  for (std::uint32_t n = 0; n < numbers.size(); ++n) blocks.add(tree.boxOf(n));
   const std::size_t count = mesh.triangles.size();
   constexpr std::size_t kChunk = 512;
   std::vector<std::vector<std::array<std::uint32_t, 2>>> found((count + kChunk - 1) / kChunk);
@@ -80,14 +143,9 @@ std::vector<std::array<std::uint32_t, 2>> meetingPairs(const TriangleMesh& mesh,
                         for (std::size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
                           const auto t = static_cast<std::uint32_t>(i);
                           const Corners& corners = mesh.triangles[t];
-                          Point least = mesh.vertices[corners[0]], most = least;
-                          for (const std::uint32_t v : {corners[1], corners[2]})
-                            for (int a = 0; a < 3; ++a) {
-                              const float x = mesh.vertices[v][a];
-                              if (x < least[a]) least[a] = x;
-                              if (x > most[a]) most[a] = x;
-                            }
-                          tree.forEachTouching({least, most}, [&](std::uint32_t n) {
+                          const Box box = boxOf(mesh, corners);
+                          if (!blocks.isNear(box)) continue;
+                          tree.forEachTouching(box, [&](std::uint32_t n) {
                             const std::uint32_t other = numbers[n];
                             // A pair of two chosen ones is tested once.
                             if (other == t || (chosen[t] && other < t)) return;

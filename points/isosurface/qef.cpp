@@ -10,15 +10,78 @@
 
 namespace restroke::points {
 
-namespace {
-
-struct Eigen3 {
+/// Eigenvalues and -vectors of a symmetric matrix.
+struct QefEigen {
   std::array<double, 3> value{};
   std::array<DVec3, 3> vector{DVec3(1, 0, 0), DVec3(0, 1, 0), DVec3(0, 0, 1)};
 };
 
+namespace {
+
+using Eigen3 = QefEigen;
+
+// Matrices are decomposed side by side: the roots and quotients of one alone would wait for each other.
+constexpr std::size_t kLanes = Qef::kBatch;
+struct Lanes {
+  double of[kLanes];
+};
+
+// One rotation, of those matrices whose element (p, q) is not 0 yet.
+void rotate(Lanes (&a)[3][3], Lanes (&v)[3][3], int p, int q) {
+  Lanes c, s, turns;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const double apq = a[p][q].of[l];
+    const double theta = (a[q][q].of[l] - a[p][p].of[l]) / (2 * apq);
+    const double t = (theta >= 0 ? 1.0 : -1.0) / (std::fabs(theta) + std::sqrt(theta * theta + 1));
+    c.of[l] = 1 / std::sqrt(t * t + 1);
+    s.of[l] = t * c.of[l];
+    turns.of[l] = apq;
+  }
+  const auto turn = [&](Lanes& first, Lanes& second) {
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const double x = first.of[l], y = second.of[l];
+      const double fresh = c.of[l] * x - s.of[l] * y, other = s.of[l] * x + c.of[l] * y;
+      first.of[l] = turns.of[l] != 0 ? fresh : x;
+      second.of[l] = turns.of[l] != 0 ? other : y;
+    }
+  };
+  for (int k = 0; k < 3; ++k) turn(a[k][p], a[k][q]);
+  for (int k = 0; k < 3; ++k) turn(a[p][k], a[q][k]);
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    a[p][q].of[l] = turns.of[l] != 0 ? 0 : a[p][q].of[l];
+    a[q][p].of[l] = turns.of[l] != 0 ? 0 : a[q][p].of[l];
+  }
+  for (auto& row : v) turn(row[p], row[q]);
+}
+
 // Cyclic Jacobi rotations (Golub, Van Loan, "Matrix computations", section 8.5): + - * / sqrt only. Each
 // sweep squares what is left off the diagonal; 10 are more than double precision can use.
+void eigenOf(const std::array<double, 6>* const (&m)[kLanes], Eigen3 (&out)[kLanes]) {
+  constexpr int kEntry[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+  Lanes a[3][3], v[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (std::size_t l = 0; l < kLanes; ++l) {
+        a[i][j].of[l] = (*m[l])[static_cast<std::size_t>(kEntry[i][j])];
+        v[i][j].of[l] = i == j ? 1 : 0;
+      }
+  for (int sweep = 0; sweep < 10; ++sweep) {
+    bool done = true;
+    for (std::size_t l = 0; l < kLanes; ++l)
+      done = done && a[0][1].of[l] == 0 && a[0][2].of[l] == 0 && a[1][2].of[l] == 0;
+    if (done) break;
+    rotate(a, v, 0, 1);
+    rotate(a, v, 0, 2);
+    rotate(a, v, 1, 2);
+  }
+  for (std::size_t l = 0; l < kLanes; ++l)
+    for (int i = 0; i < 3; ++i) {
+      out[l].value[static_cast<std::size_t>(i)] = a[i][i].of[l];
+      out[l].vector[static_cast<std::size_t>(i)] = {v[0][i].of[l], v[1][i].of[l], v[2][i].of[l]};
+    }
+}
+
+// The same of one matrix, bit for bit.
 Eigen3 eigenOf(const std::array<double, 6>& m) {
   double a[3][3] = {{m[0], m[1], m[2]}, {m[1], m[3], m[4]}, {m[2], m[4], m[5]}};
   double v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -83,8 +146,7 @@ double Qef::errorAt(DVec3 x) const {
 }
 
 // In all directions. Eigenvalues up to `least` count as none.
-Qef::Minimum Qef::solveFree(double& least) const {
-  const Eigen3 eigen = eigenOf(a_);
+Qef::Minimum Qef::solveFree(const QefEigen& eigen, double& least) const {
   least = kRankRatio * std::max({eigen.value[0], eigen.value[1], eigen.value[2]});
   Minimum out{mean(), 0};
   const DVec3 residual = b_ - times(a_, out.position);
@@ -133,15 +195,27 @@ Qef::Minimum Qef::solve(const Fixed& fixed, double half, double least) const {
 
 Qef::Minimum Qef::minimum() const {
   double least = 0;
-  return solveFree(least);
+  return solveFree(eigenOf(a_), least);
 }
 
 Qef::Minimum Qef::minimumWithin(double half) const {
+  return minimumWithin(eigenOf(a_), half);
+}
+
+void Qef::minimaWithin(double half, const Batch& batch, std::array<Minimum, kBatch>& out) {
+  const std::array<double, 6>* matrices[kBatch];
+  for (std::size_t i = 0; i < kBatch; ++i) matrices[i] = &batch[i]->a_;
+  Eigen3 eigen[kBatch];
+  eigenOf(matrices, eigen);
+  for (std::size_t i = 0; i < kBatch; ++i) out[i] = batch[i]->minimumWithin(eigen[i], half);
+}
+
+Qef::Minimum Qef::minimumWithin(const QefEigen& eigen, double half) const {
   const auto within = [&](DVec3 p) {
     return std::fabs(p.x) <= half && std::fabs(p.y) <= half && std::fabs(p.z) <= half;
   };
   double least = 0;
-  const Minimum free = solveFree(least);
+  const Minimum free = solveFree(eigen, least);
   if (within(free.position)) return free;
   Minimum best{mean(), free.rank};
   for (int i = 0; i < 3; ++i) best.position[i] = std::clamp(best.position[i], -half, half);

@@ -2,10 +2,13 @@
 // Where planes meet best: the quadratic error function of dual contouring.
 
 #include <array>
+#include <cstddef>
 
 #include "implicit/geometry/vec.h"
 
 namespace restroke::points {
+
+struct QefEigen;
 
 /// Sum of the squared distances from x to planes, and the mean of the points that the planes were given by.
 /// Lengths are in cells, counted from the cell's centre, so that nothing cancels far from the origin.
@@ -30,6 +33,10 @@ class Qef {
   [[nodiscard]] Minimum minimum() const;
   /// The same among the points of the cube |x|, |y|, |z| <= half.
   [[nodiscard]] Minimum minimumWithin(double half) const;
+  /// The same of several, in less time; bit for bit.
+  static constexpr std::size_t kBatch = 8;
+  using Batch = std::array<const Qef*, kBatch>;
+  static void minimaWithin(double half, const Batch& batch, std::array<Minimum, kBatch>& out);
 
   /// Least ratio of an eigenvalue to the largest for its direction to count as determined: two equally strong
   /// planes whose normals differ by 15 degrees make an edge (tan^2 of half of that).
@@ -37,7 +44,8 @@ class Qef {
 
  private:
   using Fixed = std::array<int, 3>;  // per axis: 0 free, -1 or 1 at that bound
-  [[nodiscard]] Minimum solveFree(double& least) const;
+  [[nodiscard]] Minimum solveFree(const QefEigen& eigen, double& least) const;
+  [[nodiscard]] Minimum minimumWithin(const QefEigen& eigen, double half) const;
   [[nodiscard]] Minimum solve(const Fixed& fixed, double half, double least) const;
 
   std::array<double, 6> a_{};  // sum of n n^T: xx, xy, xz, yy, yz, zz

@@ -3,9 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 
+#include "implicit/errors.h"
+#include "points/isosurface/dual_mesh.h"
 #include "points/isosurface/isosurface.h"
+#include "points/isosurface/meetings.h"
 #include "tests/points/isosurface_support.h"
 #include "tests/support/effort.h"
 
@@ -121,6 +125,56 @@ INSTANTIATE_TEST_SUITE_P(Isosurface, RandomGrids,
                                   : test.param == BitSource::Crossings::Random ? "CrossedAnywhere"
                                                                                : "CrossedAtTheEnds";
                          });
+
+// All pairs of triangles against those of which one is of a doubtful quad: the others meet nothing.
+std::size_t expectOnlyDoubtfulOnesMeet(const ContourSource& source, double cell) {
+  const SideGrid grid(source, source.bounds(), cell);
+  const DualMesh dual(grid, source);
+  const DualMesh::Triangles triangles = dual.triangles();
+  const std::vector<bool> doubtful = dual.doubtfulQuads();
+  std::vector<bool> chosen(triangles.quad.size());
+  for (std::size_t t = 0; t < chosen.size(); ++t) chosen[t] = doubtful[triangles.quad[t]];
+  EXPECT_EQ(meetingPairs(triangles.mesh, chosen),
+            meetingPairs(triangles.mesh, std::vector<bool>(chosen.size(), true)));
+  return static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), false));
+}
+
+TEST(DualMesh, OnlyTrianglesOfDoubtfulQuadsMeetOthers) {
+  const std::array<int, 3> size{9, 8, 7};
+  std::size_t sure = 0;
+  for (std::uint64_t seed = 1; seed <= (restroke::testing::kSanitized ? 20u : 300u); ++seed) {
+    Random random(seed);
+    // From salt and pepper to blobs, in which more cells have one patch.
+    std::vector<bool> bits(9 * 8 * 7);
+    const std::size_t one = 2 + random.below(5);
+    for (std::size_t i = 0; i < bits.size(); ++i) bits[i] = random.below(one) == 0;
+    if (seed % 2 == 0)
+      for (std::size_t i = 1; i < bits.size(); ++i)
+        if (random.below(4) != 0) bits[i] = bits[i >= 72 && random.below(2) == 0 ? i - 72 : i - 1];
+    for (const auto crossings :
+         {BitSource::Crossings::Middle, BitSource::Crossings::Random, BitSource::Crossings::AtEnds})
+      sure += expectOnlyDoubtfulOnesMeet(BitSource(size, bits, crossings), 1.0);
+  }
+  EXPECT_GT(sure, 10'000u);
+  // Of an ordinary shape most quads need no test.
+  const implicit::PrimitiveList list = testing::shapeOfAllKinds();
+  const ListSource source(list);
+  EXPECT_GT(expectOnlyDoubtfulOnesMeet(source, 0.05), 10'000u);
+}
+
+TEST(SideGrid, ASourcesOwnGridMustHaveAnOutsideBorder) {
+  class Full final : public GridSource {
+   public:
+    [[nodiscard]] Box bounds() const override { return {Point(0), Point(2)}; }
+    [[nodiscard]] Grid grid() const override { return {1, {{{0, 1, 2}, {0, 1, 2}, {0, 1, 2}}}}; }
+    void sides(std::span<const Point>, std::span<Side> sides) const override {
+      std::fill(sides.begin(), sides.end(), Side::Inside);
+    }
+    [[nodiscard]] Crossing crossing(Point inside, Point) const override { return {DVec3(inside)}; }
+    void fillSides(std::size_t, std::span<std::uint64_t> bits) const override { bits[4] = 6; }
+  };
+  EXPECT_THROW((void)isosurfaceOf(Full()), InternalError);
+}
 
 }  // namespace
 }  // namespace restroke::points

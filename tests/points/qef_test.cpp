@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "tests/support/brute_force.h"
@@ -76,6 +77,35 @@ TEST(Qef, WithinACubeItIsTheBestOfADenseSearch) {
     EXPECT_LE(qef.errorAt(best), least + 0.01) << i;
   }
   EXPECT_GT(beyond, 20);
+}
+
+TEST(Qef, SeveralAtOnceHaveTheBitsOfEachAlone) {
+  Random random(5);
+  for (int trial = 0; trial < 2000; ++trial) {
+    std::array<Qef, Qef::kBatch> qefs;
+    Qef::Batch batch;
+    for (std::size_t i = 0; i < Qef::kBatch; ++i) {
+      // Axis-parallel planes, equal ones, and any.
+      for (std::size_t planes = 1 + random.below(6); planes > 0; --planes) {
+        DVec3 n(0);
+        if (random.below(3) == 0)
+          n[static_cast<int>(random.below(3))] = random.below(2) == 0 ? 1 : -1;
+        else
+          n = normalized(DVec3(random.inCube(1)) + DVec3(0, 0, 1e-3));
+        const DVec3 p(random.inCube(0.5f));
+        qefs[i].add(p, n);
+        if (random.below(4) == 0) qefs[i].add(p, n);
+      }
+      batch[i] = &qefs[i];
+    }
+    std::array<Qef::Minimum, Qef::kBatch> minima;
+    Qef::minimaWithin(0.4, batch, minima);
+    for (std::size_t i = 0; i < Qef::kBatch; ++i) {
+      const Qef::Minimum one = qefs[i].minimumWithin(0.4);
+      ASSERT_EQ(minima[i].position, one.position);
+      ASSERT_EQ(minima[i].rank, one.rank);
+    }
+  }
 }
 
 }  // namespace
