@@ -56,6 +56,7 @@
 
 #include "implicit/geometry/triangle_mesh.h"
 #include "implicit/primitive.h"
+#include "points/dexel/tool_pose.h"
 #include "points/dexel/tri_dexel.h"
 
 namespace restroke::points {
@@ -72,7 +73,7 @@ struct TriDexelDocument {
   struct PosedTool {
     std::uint32_t tool = 0;  ///< index in `tools`
     /// From the tool's coordinates to the model's: 4 x 4, row by row, finite.
-    std::array<double, 16> pose{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    PoseMatrix pose = kIdentityPose;
     bool operator==(const PosedTool&) const = default;
   };
   struct Operation {

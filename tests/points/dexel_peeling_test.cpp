@@ -244,7 +244,7 @@ TEST_F(GlPeeling, ReachesFarBeyondTheGrid) {
 }
 
 // The same motion on the CPU: double, rounded once.
-TriangleMesh posed(TriangleMesh mesh, const GlPose& m) {
+TriangleMesh posed(TriangleMesh mesh, const PoseMatrix& m) {
   for (Point& p : mesh.vertices) {
     const DVec3 d(p);
     for (int k = 0; k < 3; ++k) {
@@ -265,7 +265,7 @@ TEST_F(GlPeeling, OfAToolInAnyPoseIsThatOfThePosedMeshAndCutsAsOnTheCpu) {
   TriDexel expected = onCard.download();
   Random random(9);
   for (std::uint32_t i = 1; i <= 12; ++i) {
-    GlPose pose = kGlIdentity;
+    PoseMatrix pose = kIdentityPose;
     for (std::size_t k = 0; k < 12; ++k)
       pose[k] = static_cast<double>(random.between(-1, 1)) * (k % 4 == 3 ? 1.0 : 0.3);
     toolOnCard.peel(toolMesh, {.pose = pose});
@@ -288,13 +288,13 @@ TEST_F(GlPeeling, RefusesPosesAndMeshesThatAreNotNumbers) {
   const DexelGrid grid = wholeGrid({5, 6, 7});
   const GlMesh mesh(gl(), boxMesh({1, 1, 1}, {3, 3, 3}));
   GlTriDexel model(gl(), grid);
-  GlPose pose = kGlIdentity;
+  PoseMatrix pose = kIdentityPose;
   pose[5] = std::nan("");
   EXPECT_THROW(model.peel(mesh, {.pose = pose}), InputError);
-  pose = kGlIdentity;
+  pose = kIdentityPose;
   pose[14] = 0.5;
   EXPECT_THROW(model.peel(mesh, {.pose = pose}), InputError);
-  pose = kGlIdentity;
+  pose = kIdentityPose;
   pose[3] = 1e38;
   EXPECT_THROW(model.peel(mesh, {.pose = pose}), InputError);
   TriangleMesh bad = boxMesh({1, 1, 1}, {3, 3, 3});

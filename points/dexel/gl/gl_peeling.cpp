@@ -33,7 +33,7 @@ void runOnTriangles(const GlProgram& program, std::size_t triangles) {
   glDispatchCompute(static_cast<GLuint>((triangles + 255) / 256), 1, 1);
 }
 
-void validate(const GlPose& pose) {
+void validate(const PoseMatrix& pose) {
   for (const double x : pose)
     if (!std::isfinite(x))
       throw InputError(fmt::format("the pose has the element {}; all 16 must be finite", x));
@@ -44,7 +44,7 @@ void validate(const GlPose& pose) {
 }
 
 // Box of the posed corners of a box, and what rounding may add.
-Box posedBox(const Box& box, const GlPose& pose) {
+Box posedBox(const Box& box, const PoseMatrix& pose) {
   if (box.empty()) return box;
   Box posed;
   for (int corner = 0; corner < 8; ++corner) {

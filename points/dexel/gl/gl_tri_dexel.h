@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "implicit/geometry/triangle_mesh.h"
+#include "points/dexel/tool_pose.h"
 #include "points/dexel/tri_dexel.h"
 
 namespace restroke::points {
@@ -34,11 +35,6 @@ class GlDexelContext {
  private:
   std::shared_ptr<State> state_;
 };
-
-/// A motion or any other affine map: a 4 x 4 matrix, row after row, for column vectors. The last row is
-/// 0 0 0 1.
-using GlPose = std::array<double, 16>;
-inline constexpr GlPose kGlIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
 /// A triangle mesh on the graphics card; 36 bytes a triangle there.
 class GlMesh {
@@ -74,7 +70,7 @@ struct PeelOptions {
   PeelMethod method = PeelMethod::Fragments;
   /// Applied to the mesh first: ((m0 x + m1 y) + m2 z) + m3 for each row, in double, rounded once to float32.
   /// A mesh that was posed so beforehand gives the same bits.
-  GlPose pose = kGlIdentity;
+  PoseMatrix pose = kIdentityPose;
 };
 
 /// Lines that cross a mesh an odd number of times: it is not closed there.
