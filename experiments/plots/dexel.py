@@ -25,15 +25,19 @@ FLOOR = 1e-6  # cells: as small as rounding makes them; smaller ones, and none, 
 # Title, unit, what stands across, columns with what each is called (the first is drawn whole, the others broken).
 PANELS = [
     ("memory", "bytes", "resolution", [("bytes", "as they are"), ("bytes_without_operations", "without operations")]),
-    ("volume on the wrong side", "% of the solid's", "resolution", [("wrong_percent", None)]),
-    ("volume on the wrong side", "% of the solid's", "bytes", [("wrong_percent", None)]),
-    ("coverage: from surface to element", "cells", "resolution",
-     [("coverage_max_cells", "most"), ("coverage_mean_cells", "mean")]),
-    ("coverage: from surface to element", "model units", "resolution", [("coverage_max", "most"), ("coverage_mean", "mean")]),
-    ("accuracy: from element to surface", "cells", "resolution",
-     [("accuracy_max_cells", "most"), ("accuracy_mean_cells", "mean")]),
+    ("volume on the wrong side", "% of the solid", "resolution", [("wrong_percent", None)]),
+    ("the same by memory", "% of the solid", "bytes", [("wrong_percent", None)]),
+    ("from surface to element", "cells", "resolution", [("coverage_max_cells", "most"), ("coverage_mean_cells", "mean")]),
+    ("from surface to element", "model units", "resolution", [("coverage_max", "most"), ("coverage_mean", "mean")]),
+    ("from element to surface", "cells", "resolution", [("accuracy_max_cells", "most"), ("accuracy_mean_cells", "mean")]),
 ]
 LINES = ["-", "--"]
+
+
+def plain(value, _=None):
+    """0.01, 1, 10k; of small ones the power."""
+    return style.short(value) if value >= 1e-3 else f"{value:.0e}".replace("e-0", "e-")
+
 
 
 def read(path, solid):
@@ -75,7 +79,7 @@ def draw(series, prefix):
             axes.xaxis.set_major_locator(LogLocator(numticks=9))
             axes.xaxis.set_major_formatter(FuncFormatter(style.short))
         axes.yaxis.set_major_locator(LogLocator(numticks=9))
-        axes.yaxis.set_major_formatter(FuncFormatter(style.short))
+        axes.yaxis.set_major_formatter(FuncFormatter(plain))
         axes.xaxis.set_minor_locator(NullLocator())
         axes.yaxis.set_minor_locator(NullLocator())
         axes.grid(axis="y", color=style.RULE, linewidth=0.7)

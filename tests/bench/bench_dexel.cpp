@@ -342,9 +342,10 @@ int run(std::span<char* const> words) {
   const experiments::Provenance origin = experiments::provenance();
   fmt::print(
       "{}A ball of radius 1 on {} lines, {:.2f} MB; {} kernels; OpenVDB at voxel {:.3g}\nMedians; ratios: "
-      "how many times the rival takes as long\n\n{}\n",
+      "how many times the rival takes as long{}\n\n{}\n",
       textOf(origin), experiments::grouped(results.lines), static_cast<double>(results.bytes) * 1e-6,
-      implicit::simdLevelName(), results.voxel, textOfTable(results));
+      implicit::simdLevelName(), results.voxel, arguments.smoke ? "; targets are for the full size" : "",
+      textOfTable(results));
   bool hold = true;
   for (const auto& [holds, sentence] : results.checks) {
     fmt::print("{}: {}\n", holds ? "holds" : "DOES NOT HOLD", sentence);
