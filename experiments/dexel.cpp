@@ -56,12 +56,13 @@ int pictureResolution(const DexelOptions& options) {
 
 void drawElements(const std::vector<std::vector<points::Surfel>>& elements, const Truth& truth,
                   const DexelRow& row, DexelResults& results, const DexelOptions& options) {
-  const PictureBall ball{truth.bounds().center(), truth.bounds().halfDiagonal()};
+  PictureBall ball{truth.bounds().center()};
+  ball.add(truth.surface().surfels());
   const Camera camera = frameSphere(ball.center, ball.radius,
                                     {.view = {-0.55f, -0.45f, -1},
                                      .width = options.pictureSize,
                                      .height = options.pictureSize,
-                                     .fill = 1.0f});
+                                     .fill = 0.94f});
   for (std::size_t k = 0; k < elements.size(); ++k)
     results.pictures.push_back(
         {row.source, kRepresentations[k], row.resolution, drawPicture({.surfels = elements[k]}, camera)});

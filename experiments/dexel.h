@@ -15,10 +15,11 @@
 // Expected shape: bytes of voxels in proportion to n^3, of dexels to n^2: with a bit a voxel and 36 bytes a
 //   line one family takes less from n = 288 on, three from n = 864 on (160 and 480 without operations), if
 //   most lines have one span or none. What is wrong falls as 1 / n for all of them. Ends are on the surface
-//   but for the rounding of float32; faces of voxels are a quarter of a cell off in the mean (what has no
-//   preference for a side of its cell is uniform from 0 to 1/2). Coverage by three families at most about a
-//   cell, whatever n; by one family it grows with n when counted in cells: a slope of s across the lines
-//   leaves sqrt(1 + s^2) cells between ends, and a ball has every slope.
+//   but for the rounding of float32. Faces of voxels are off by at most half a cell, and in the mean by a
+//   sixth where the surface has all directions alike: 0 to 1/2 along the face's axis, each as likely, times
+//   the cosine c between axis and normal, for which there are faces in proportion to c. Coverage by three
+//   families at most about a cell, whatever n; by one family it grows with n when counted in cells: a slope
+//   of s along the lines leaves sqrt(1 + s^2) cells between ends, and a ball has every slope.
 //
 // The paper's figure 1 shows a disc as voxels, as dexels along one axis, and with dexels along two; here it
 // is a slice of a ball's model.

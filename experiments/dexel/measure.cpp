@@ -218,8 +218,9 @@ double Truth::distanceFromSurface(Point p, Vec3 normal, double reach) const {
   double least = length(DVec3(nearest.position) - DVec3(p));
   for (const Vec3 along : {normal, nearest.normal}) {
     const DVec3 n = normalized(DVec3(along));
-    // From close by first: the nearest crossing is looked for, not the outermost.
-    for (const double part : {1.0 / 64, 1.0 / 8, 1.0}) {
+    // From close by first: the nearest crossing is looked for, not the outermost. Half of a cell is from one
+    // side of a voxel's face to the other, and the surface between them.
+    for (const double part : {1.0 / 64, 1.0 / 8, 1.0 / 2, 1.0}) {
       const double from = reach * part;
       const auto hit =
           castRay(list_, {.origin = DVec3(p) + from * n, .direction = -1.0 * n, .tMin = 0, .tMax = 2 * from});

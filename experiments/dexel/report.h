@@ -1,8 +1,8 @@
 #pragma once
 // What the dexel experiment says: promises with what was measured, tables, the page.
 
+#include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "experiments/dexel.h"
+#include "implicit/primitive_list.h"
 #include "implicit/side.h"
 #include "points/dexel/tri_dexel.h"
 

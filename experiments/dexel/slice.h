@@ -3,8 +3,6 @@
 
 #include <string>
 
-#include "implicit/primitive_list.h"
-
 namespace restroke::experiments {
 
 /// The plane through the middle of the ball's grid (of `resolution` points along an axis), across z, as a
