@@ -81,6 +81,13 @@ struct Range {
   [[nodiscard]] bool within(double low, double high) const { return least >= low && most <= high; }
 };
 
+/// "0.7 to 0.8", or one number where they print alike.
+std::string text(const Range& range, int digits) {
+  const std::string least = fmt::format("{:.{}f}", range.least, digits),
+                    most = fmt::format("{:.{}f}", range.most, digits);
+  return least == most ? least : least + " to " + most;
+}
+
 template <class F>
 Range rangeOf(const DexelResults& results, const F& valueOf) {
   Range range;
@@ -113,11 +120,8 @@ Claim bytesGrow(const DexelResults& results, const std::set<int>& resolutions) {
               one = powerOf(results, Representation::OneFamily, between, bytes),
               three = powerOf(results, Representation::ThreeFamilies, between, bytes);
   claim.holds = voxels.within(2.8, 3.2) && one.within(1.8, 2.2) && three.within(1.8, 2.2);
-  claim.measured = fmt::format(
-      "from {} to {} powers of {:.2f} to {:.2f} for voxels, {:.2f} to {:.2f} for one family, {:.2f} to "
-      "{:.2f} "
-      "for three",
-      between.first, between.second, voxels.least, voxels.most, one.least, one.most, three.least, three.most);
+  claim.measured = fmt::format("from {} to {} powers of {} for voxels, {} for one family, {} for three",
+                               between.first, between.second, text(voxels, 2), text(one, 2), text(three, 2));
   return claim;
 }
 
@@ -148,11 +152,9 @@ Claim lessMemory(const DexelResults& results, const std::set<int>& resolutions) 
               bareThree = crossingOf(results, Representation::ThreeFamilies, finest, false);
   claim.holds = one.most <= finest;
   claim.measured = fmt::format(
-      "at n = {}; as n³ against n² one family takes less from n = {:.0f} to {:.0f} on (without operations "
-      "{:.0f} "
-      "to {:.0f}), three from {:.0f} to {:.0f} on ({:.0f} to {:.0f})",
-      finest, one.least, one.most, bare.least, bare.most, three.least, three.most, bareThree.least,
-      bareThree.most);
+      "at n = {}; as n³ against n² one family takes less from n = {} on (without operations {}), three from "
+      "{} on ({})",
+      finest, text(one, 0), text(bare, 0), text(three, 0), text(bareThree, 0));
   return claim;
 }
 
@@ -170,8 +172,7 @@ Claim wrongFalls(const DexelResults& results, const std::set<int>& resolutions) 
     all.add(range.most);
   }
   claim.holds = all.within(-1.3, -0.7);
-  claim.measured = fmt::format("from {} to {} powers of {:.2f} to {:.2f}", between.first, between.second,
-                               all.least, all.most);
+  claim.measured = fmt::format("from {} to {} powers of {}", between.first, between.second, text(all, 2));
   return claim;
 }
 
@@ -196,8 +197,7 @@ std::vector<Claim> accuracyClaims(const DexelResults& results) {
   out[0].holds = ends.most <= 1e-3;
   out[0].measured = fmt::format("{:.1e} cells at most", ends.most);
   out[1].holds = faces.least > 0.1 && farthest.most < 0.5 + 1e-3;
-  out[1].measured = fmt::format("{:.3f} to {:.3f} cells in the mean, {:.3f} at most", faces.least, faces.most,
-                                farthest.most);
+  out[1].measured = fmt::format("{} cells in the mean, {:.3f} at most", text(faces, 3), farthest.most);
   return out;
 }
 
@@ -213,7 +213,7 @@ std::vector<Claim> coverageClaims(const DexelResults& results, const std::set<in
   });
   if (!high.empty()) {
     out[0].holds = high.most <= 1;
-    out[0].measured = fmt::format("within {:.2f} to {:.2f} cells", high.least, high.most);
+    out[0].measured = fmt::format("within {} cells", text(high, 2));
   }
   Range one, three, ratio;
   for (const std::string& source : sourcesOf(results)) {
@@ -227,8 +227,7 @@ std::vector<Claim> coverageClaims(const DexelResults& results, const std::set<in
   if (!ratio.empty()) {
     out[1].holds = ratio.least > 1;
     out[1].measured =
-        fmt::format("{:.1f} to {:.1f} cells against {:.1f} to {:.1f}, {:.1f} to {:.1f} times as far",
-                    one.least, one.most, three.least, three.most, ratio.least, ratio.most);
+        fmt::format("{} cells against {}, {} times as far", text(one, 1), text(three, 1), text(ratio, 1));
   }
   return out;
 }
