@@ -233,8 +233,8 @@ std::vector<Claim> coverageClaims(const DexelResults& results, const std::set<in
 }
 
 std::string headingOf(const DexelRow& row) {
-  return fmt::format("{}: {} primitives, {} samples of the surface", row.source, grouped(row.primitives),
-                     grouped(row.samples));
+  return fmt::format("{}: {} primitive{}, {} samples of the surface", row.source, grouped(row.primitives),
+                     row.primitives == 1 ? "" : "s", grouped(row.samples));
 }
 
 std::string tableOf(const std::vector<const DexelRow*>& rows) {
@@ -334,7 +334,9 @@ std::string dexelReport(const DexelResults& results, const DexelImages& images, 
     html += fmt::format("<h2>{}</h2>\n", escapeHtml(headingOf(*rows.front())));
     html += tableOf(rows);
     for (const auto& [name, svg] : images.figures)
-      if (name == source) html += figureHtml(svg, "Logarithmic on both axes.");
+      if (name == source)
+        html += figureHtml(
+            svg, "Logarithmic on both axes. Distances below a millionth of a cell stand at the foot.");
     html += "<div class=pictures>\n";
     for (const auto& picture : images.pictures)
       if (picture.source == source)

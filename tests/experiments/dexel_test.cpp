@@ -275,6 +275,24 @@ void theSameSeedGivesTheSameFiguresAtAnyNumberOfThreads() {
   EXPECT_TRUE(differs) << "another seed has other points";
 }
 
+void saysWhatHoldsAndWhatWasNotTried() {
+  const std::vector<Claim> all = claims(smoke());
+  ASSERT_EQ(all.size(), 7u);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    SCOPED_TRACE(all[i].text);
+    if (all[i].text.starts_with("what is on the wrong side")) {
+      EXPECT_FALSE(all[i].holds) << "a finest resolution of 32 is too coarse to tell";
+      EXPECT_TRUE(all[i].measured.empty());
+    } else {
+      EXPECT_EQ(all[i].holds, !all[i].text.starts_with("the paper"))
+          << "voxels of a bit are small while n is";
+      EXPECT_FALSE(all[i].measured.empty());
+    }
+  }
+  // Nothing measured, nothing claimed.
+  for (const Claim& claim : claims(DexelResults{})) EXPECT_FALSE(claim.holds) << claim.text;
+}
+
 void writesWhatItPromises() {
   const Folder folder;
   const std::vector<std::string> files = writeDexels(smoke(), tiny(), folder.path());
@@ -329,7 +347,8 @@ void writesWhatItPromises() {
        {"Promised and measured", "figure 1", "gallery", "three families", "How it was measured"})
     EXPECT_NE(page.find(word), std::string::npos) << word;
   const std::string table = dexelTable(smoke());
-  for (const char* word : {"ball: 1 primitives", "one-family", "coverage", "every end of a dexel"})
+  for (const char* word :
+       {"ball: 1 primitive,", "gallery: 23 primitives,", "one-family", "coverage", "every end of a dexel"})
     EXPECT_NE(table.find(word), std::string::npos) << word;
 }
 
@@ -400,6 +419,7 @@ TEST(Dexel, D11TheSmokeRunMeasuresEverySolidAndWritesWhatItPromises) {
   check("threeFamiliesLeaveSmallerGapsThanOne", threeFamiliesLeaveSmallerGapsThanOne);
   check("theSameSeedGivesTheSameFiguresAtAnyNumberOfThreads",
         theSameSeedGivesTheSameFiguresAtAnyNumberOfThreads);
+  check("saysWhatHoldsAndWhatWasNotTried", saysWhatHoldsAndWhatWasNotTried);
   check("writesWhatItPromises", writesWhatItPromises);
 }
 
