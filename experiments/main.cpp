@@ -11,6 +11,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "experiments/dexel.h"
+#include "experiments/dexel/report.h"
 #include "experiments/examples/example_logs.h"
 #include "experiments/memory.h"
 #include "experiments/output.h"
@@ -279,6 +281,66 @@ struct ScalingCommand {
   }
 };
 
+struct DexelCommand {
+  Common common;
+  std::vector<std::string> logs;
+  std::string out;
+  bool smoke = false;
+  int most = 256;
+  DexelOptions options;
+
+  void addTo(CLI::App& app) {
+    CLI::App* command = app.add_subcommand(
+        "dexel", "memory and error of voxels, of one family of dexels and of three, by resolution");
+    command->add_option("logs", logs,
+                        "stroke logs or stamp lists, whose solids are measured besides a ball; without any, "
+                        "shipped ones");
+    command
+        ->add_option("--out", out,
+                     "folder for results.csv, results.json, manifest.json, figures, pictures, report.html")
+        ->required();
+    command->add_flag("--smoke", smoke, "a small size that takes seconds");
+    command->add_option("--most", most, "lines along the longest side at the finest resolution, default 256")
+        ->check(CLI::Range(kLeastDexelResolution, kMostDexelResolution))
+        ->type_name("N");
+    command
+        ->add_option("--points", options.points, "random points whose sides are compared, default 1,000,000")
+        ->check(CLI::Range(1, 1'000'000'000))
+        ->type_name("N");
+    command->add_option("--seed", options.seed, "of the random points");
+    common.addTo(*command);
+    command->callback([this] { run(); });
+  }
+
+  void run() {
+    options.resolutions.clear();
+    for (int n = std::min(16, most); n <= most; n *= 2) options.resolutions.push_back(n);
+    const DexelOptions sized = smoke ? smokeSize(options) : options;
+    std::vector<fs::path> files(logs.begin(), logs.end());
+    if (files.empty()) files = defaultDexelLogs(smoke);
+    // What is wrong with an input or an output is said before the work begins, and leaves nothing behind.
+    for (const fs::path& file : files) (void)sculpt::readLog(file);
+    common.begin();
+    makeFolder(out);
+    DexelResults results;
+    {
+      ProgressLine line("dexel");
+      results = measureDexels(
+          files, sized, common.execution,
+          [&line](const std::string& what, std::size_t done, std::size_t all) { line(what, done, all); });
+    }
+    const std::vector<std::string> written = writeDexels(results, sized, out);
+
+    common.say(dexelTable(results));
+    nlohmann::ordered_json object = {
+        {"experiment", "dexel"}, {"out", out}, {"smoke", smoke}, {"files", written}};
+    object["rows"] = results.rows.size();
+    object["claims"] = jsonOf(claims(results));
+    common.say(fmt::format("report: {}\n", (fs::path(out) / "report.html").string()));
+    common.finish(object);
+  }
+};
+
 struct ExampleCommand {
   Common common;
   std::string name, out;
@@ -307,10 +369,12 @@ int runProgram(int argc, char** argv) {
   MemoryCommand memory;
   RetargetCommand retarget;
   ScalingCommand scaling;
+  DexelCommand dexel;
   ExampleCommand example;
   memory.addTo(app);
   retarget.addTo(app);
   scaling.addTo(app);
+  dexel.addTo(app);
   example.addTo(app);
   try {
     app.parse(argc, argv);

@@ -7,6 +7,7 @@
 #include "experiments/pictures.h"
 #include "experiments/provenance.h"
 #include "experiments/random.h"
+#include "experiments/text.h"
 #include "implicit/errors.h"
 #include "sculpt/document.h"
 #include "sculpt/stroke_log.h"
@@ -182,14 +183,11 @@ std::string describe(const MemoryOptions& options) {
 }
 
 void makeNamesUnique(std::vector<MemoryLog>& logs) {
-  for (std::size_t i = 0; i < logs.size(); ++i) {
-    const std::string stem = logs[i].name;
-    const auto taken = [&] {
+  for (std::size_t i = 0; i < logs.size(); ++i)
+    logs[i].name = untakenName(logs[i].name, [&](std::string_view name) {
       return std::any_of(logs.begin(), logs.begin() + static_cast<std::ptrdiff_t>(i),
-                         [&](const MemoryLog& log) { return log.name == logs[i].name; });
-    };
-    for (int number = 2; taken(); ++number) logs[i].name = fmt::format("{}-{}", stem, number);
-  }
+                         [&](const MemoryLog& log) { return log.name == name; });
+    });
 }
 
 MemoryLog measureMemory(const std::filesystem::path& file, const MemoryOptions& options,

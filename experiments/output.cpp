@@ -70,6 +70,15 @@ Json jsonOf(std::span<const Claim> claims) {
   return array;
 }
 
+std::string textOf(std::span<const Claim> claims) {
+  std::string text;
+  for (const Claim& claim : claims)
+    text +=
+        fmt::format("{}: {}{}{}\n", claim.holds ? (*claim.holds ? "holds" : "DOES NOT HOLD") : "not tried",
+                    claim.text, claim.measured.empty() ? "" : ": ", claim.measured);
+  return text;
+}
+
 void makeFolder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);

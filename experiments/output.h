@@ -46,6 +46,8 @@ struct Claim {
 };
 /// An array of claim, measured, holds (or null).
 [[nodiscard]] Json jsonOf(std::span<const Claim> claims);
+/// A line for each.
+[[nodiscard]] std::string textOf(std::span<const Claim> claims);
 
 /// Makes the folder, and those above it, unless it is there. Throws InputError when it cannot be made or
 /// written.

@@ -1,5 +1,7 @@
 #include "experiments/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace restroke::experiments {
@@ -61,6 +63,12 @@ std::vector<std::size_t> thinned(std::size_t count, std::size_t most) {
   for (std::size_t i = 0; i < wanted; ++i)
     indices.push_back(wanted == 1 ? count - 1 : i * (count - 1) / (wanted - 1));
   return indices;
+}
+
+std::string untakenName(const std::string& stem, const std::function<bool(std::string_view)>& taken) {
+  std::string name = stem;
+  for (int number = 2; taken(name); ++number) name = fmt::format("{}-{}", stem, number);
+  return name;
 }
 
 std::string alignedTable(std::span<const std::vector<std::string>> lines, std::size_t left) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,6 +25,10 @@ namespace restroke::experiments {
 
 /// At most `most` (two or more) of the indices 0 to count - 1, evenly spread, first and last among them.
 [[nodiscard]] std::vector<std::size_t> thinned(std::size_t count, std::size_t most);
+
+/// The stem, or STEM-2, STEM-3 and so on: the first one that is not taken.
+[[nodiscard]] std::string untakenName(const std::string& stem,
+                                      const std::function<bool(std::string_view)>& taken);
 
 /// Lines of equally wide columns; the first `left` columns are aligned to the left, the others to the right.
 [[nodiscard]] std::string alignedTable(std::span<const std::vector<std::string>> lines, std::size_t left = 0);

@@ -10,21 +10,9 @@ The logarithmic one holds everything.
 import csv
 import sys
 
-import matplotlib
+import style
 
-matplotlib.use("Agg")
-matplotlib.rcParams.update({
-    "svg.hashsalt": "restroke",  # the same figure gives the same file
-    "svg.fonttype": "none",
-    "font.family": "DejaVu Sans",
-    "font.size": 10.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": "#555555",
-    "axes.labelcolor": "#222222",
-    "xtick.color": "#444444",
-    "ytick.color": "#444444",
-})
+style.use(10.5)
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.ticker import FuncFormatter, MaxNLocator  # noqa: E402
 

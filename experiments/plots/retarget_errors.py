@@ -9,21 +9,9 @@ and writes PREFIX.png and PREFIX.svg: a panel for each change, a line for each m
 import csv
 import sys
 
-import matplotlib
+import style
 
-matplotlib.use("Agg")
-matplotlib.rcParams.update({
-    "svg.hashsalt": "restroke",  # the same figure gives the same file
-    "svg.fonttype": "none",
-    "font.family": "DejaVu Sans",
-    "font.size": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": "#555555",
-    "axes.labelcolor": "#222222",
-    "xtick.color": "#444444",
-    "ytick.color": "#444444",
-})
+style.use(9)
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.ticker import NullFormatter, NullLocator  # noqa: E402

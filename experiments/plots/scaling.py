@@ -10,21 +10,9 @@ import csv
 import os
 import sys
 
-import matplotlib
+import style
 
-matplotlib.use("Agg")
-matplotlib.rcParams.update({
-    "svg.hashsalt": "restroke",  # the same figure gives the same file
-    "svg.fonttype": "none",
-    "font.family": "DejaVu Sans",
-    "font.size": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": "#555555",
-    "axes.labelcolor": "#222222",
-    "xtick.color": "#444444",
-    "ytick.color": "#444444",
-})
+style.use(9)
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.ticker import FuncFormatter, LogLocator  # noqa: E402
@@ -49,13 +37,6 @@ PANELS = [
     ("memory", "bytes", [("bytes_per_primitive", "a primitive"), ("bytes_per_surfel", "a surfel")]),
 ]
 LINES = [("-", "o"), ("--", "o")]
-
-
-def short(value, _=None):
-    for unit, size in (("G", 1e9), ("M", 1e6), ("k", 1e3)):
-        if value >= size:
-            return f"{value / size:g}{unit}"
-    return f"{value:g}"
 
 
 def read(path, figure):
@@ -108,8 +89,8 @@ def draw(sweeps, figure, prefix):
             axes.set_ylim(min(lowest / 1.6, middle / 10), max(highest * 1.6, middle * 10))
         axes.xaxis.set_major_locator(LogLocator(numticks=9))
         axes.yaxis.set_major_locator(LogLocator(numticks=9))
-        axes.xaxis.set_major_formatter(FuncFormatter(short))
-        axes.yaxis.set_major_formatter(FuncFormatter(short))
+        axes.xaxis.set_major_formatter(FuncFormatter(style.short))
+        axes.yaxis.set_major_formatter(FuncFormatter(style.short))
         axes.minorticks_off()
         axes.grid(axis="y", color="#dddddd", linewidth=0.7)
         axes.set_axisbelow(True)

@@ -250,10 +250,7 @@ std::string scalingTable(const ScalingResults& results) {
       }
       text += alignedTable(lines) + "\n";
     }
-  for (const Claim& claim : claims(results))
-    text +=
-        fmt::format("{}: {}{}{}\n", claim.holds ? (*claim.holds ? "holds" : "DOES NOT HOLD") : "not tried",
-                    claim.text, claim.measured.empty() ? "" : ": ", claim.measured);
+  text += textOf(claims(results));
   for (const std::string& note : results.notes) text += fmt::format("left out: {}\n", note);
   return text;
 }

@@ -14,6 +14,7 @@
 
 #include "implicit/errors.h"
 #include "implicit/simd/dispatch.h"
+#include "tests/bench/machine.h"
 #include "tests/bench/rivals_output.h"
 #include "tests/bench/stamp_source.h"
 

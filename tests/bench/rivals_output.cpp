@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-
 #include "experiments/text.h"
-#include "implicit/errors.h"
+#include "tests/bench/machine.h"
 
 namespace restroke::bench {
 namespace {
@@ -51,18 +49,15 @@ void forColumns(const RivalsTable& table, const F& f) {
 }  // namespace
 
 std::string textOf(const Heading& heading, const RivalsTable& table) {
-  const experiments::Provenance& origin = heading.origin;
-  std::string text = fmt::format(
-      "Machine: {}, {} processors, {}\nCompiler: {}; flags {}\nRevision: {}{}\n"
+  std::string text = textOf(heading.origin);
+  text += fmt::format(
       "List: {}, {} primitives in {} strokes; Restroke at density {:g}: {} surfels; OpenVDB at voxel {:g}: "
       "{} "
       "voxels in the band; shortened list: {} stamps\n"
       "{} rays of a picture of 1280 x 720, every eighth row; medians of {} rounds (OpenVDB CSG: fewer; CGAL: "
       "one)\nRatios: how many times better Restroke is, at the rival's SIMD level, or at {}\n\n",
-      origin.cpu, origin.processors, origin.system, origin.compiler, origin.flags, origin.revision,
-      origin.dirty ? " (dirty)" : "", heading.list, heading.primitives, heading.strokes, heading.density,
-      heading.surfels, heading.voxel, heading.activeVoxels, heading.shortened, heading.rays, heading.rounds,
-      table.ours.back().level());
+      heading.list, heading.primitives, heading.strokes, heading.density, heading.surfels, heading.voxel,
+      heading.activeVoxels, heading.shortened, heading.rays, heading.rounds, table.ours.back().level());
   std::vector<std::vector<std::string>> lines(1, {""});
   for (const Column& column : table.ours) lines[0].push_back(column.level());
   const std::vector<const Column*> rivals = shownRivals(table);
@@ -91,25 +86,18 @@ std::string textOfTargets(const RivalsTable& table) {
 }
 
 Json jsonOf(const Heading& heading, const RivalsTable& table, const std::vector<Check>& checks) {
-  const experiments::Provenance& origin = heading.origin;
-  Json out = {{"revision", origin.revision},
-              {"dirty", origin.dirty},
-              {"compiler", origin.compiler},
-              {"flags", origin.flags},
-              {"cpu", origin.cpu},
-              {"processors", origin.processors},
-              {"system", origin.system},
-              {"simd", table.ours.back().level()},
-              {"list", heading.list},
-              {"primitives", heading.primitives},
-              {"strokes", heading.strokes},
-              {"density", heading.density},
-              {"surfels", heading.surfels},
-              {"voxel", heading.voxel},
-              {"active_voxels", heading.activeVoxels},
-              {"shortened", heading.shortened},
-              {"rays", heading.rays},
-              {"rounds", heading.rounds}};
+  Json out = jsonOf(heading.origin);
+  out.update(Json{{"simd", table.ours.back().level()},
+                  {"list", heading.list},
+                  {"primitives", heading.primitives},
+                  {"strokes", heading.strokes},
+                  {"density", heading.density},
+                  {"surfels", heading.surfels},
+                  {"voxel", heading.voxel},
+                  {"active_voxels", heading.activeVoxels},
+                  {"shortened", heading.shortened},
+                  {"rays", heading.rays},
+                  {"rounds", heading.rounds}});
   Json columns = Json::array();
   forColumns(table, [&](const Column& column, const std::optional<double>& rival) {
     Json entry = {{"name", column.name()}, {"simd", column.level()}};
@@ -157,14 +145,6 @@ std::string csvOf(const RivalsTable& table) {
     }
   });
   return text;
-}
-
-void writeFile(const std::filesystem::path& file, std::string_view text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text << std::flush;
-  if (!out)
-    throw InputError(
-        fmt::format("{}: cannot be written; its folder must exist and have room", file.string()));
 }
 
 }  // namespace restroke::bench

@@ -1,7 +1,6 @@
 #pragma once
 // The rivals' table as text, JSON and CSV.
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -27,8 +26,5 @@ struct Heading {
                                             const std::vector<Check>& checks);
 /// One line for each figure: row, unit, column, simd, value, ratio, repetitions.
 [[nodiscard]] std::string csvOf(const RivalsTable& table);
-
-/// Throws InputError when the file cannot be written.
-void writeFile(const std::filesystem::path& file, std::string_view text);
 
 }  // namespace restroke::bench

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <set>
+
 #include "experiments/examples/pen.h"
 #include "experiments/random.h"
 
@@ -46,6 +49,13 @@ TEST(Text, ThinningKeepsFirstAndLastAndNeverRepeats) {
   EXPECT_EQ(thin.front(), 0u);
   EXPECT_EQ(thin.back(), 108u);
   for (std::size_t i = 1; i < thin.size(); ++i) EXPECT_LT(thin[i - 1], thin[i]);
+}
+
+TEST(Text, NamesThatAreTakenGetTheFirstFreeNumber) {
+  const std::set<std::string, std::less<>> taken = {"rabbit", "rabbit-2", "rabbit-4"};
+  const auto isTaken = [&](std::string_view name) { return taken.contains(name); };
+  EXPECT_EQ(untakenName("gallery", isTaken), "gallery");
+  EXPECT_EQ(untakenName("rabbit", isTaken), "rabbit-3");
 }
 
 TEST(Text, TablesLineUp) {
