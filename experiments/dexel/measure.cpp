@@ -32,14 +32,6 @@ std::size_t at(const GridCounts& counts, int axis) {
   return static_cast<std::size_t>(counts[static_cast<std::size_t>(axis)]);
 }
 
-/// The grid point of an axis that is nearest to a coordinate; of those beyond, the outermost.
-int nearestPoint(const DexelGrid& grid, int axis, float coordinate) {
-  const double steps =
-      (static_cast<double>(coordinate) - static_cast<double>(grid.at(axis, 0))) / grid.cell();
-  return static_cast<int>(
-      std::clamp(std::floor(steps + 0.5), 0.0, static_cast<double>(at(grid.counts(), axis)) - 1));
-}
-
 /// A bit for each point of a grid.
 class Voxels {
  public:
@@ -72,7 +64,7 @@ class Voxels {
     return (bits_[bit / 64] >> bit % 64 & 1) != 0;
   }
   [[nodiscard]] bool contains(Point p) const {
-    return isInside({nearestPoint(grid_, 0, p.x), nearestPoint(grid_, 1, p.y), nearestPoint(grid_, 2, p.z)});
+    return isInside({grid_.nearestTo(0, p.x), grid_.nearestTo(1, p.y), grid_.nearestTo(2, p.z)});
   }
   [[nodiscard]] std::size_t bytes() const { return bits_.capacity() * sizeof(bits_[0]); }
 
@@ -109,8 +101,8 @@ class Voxels {
 bool saysInside(const TriDexel& model, int axis, Point p) {
   const Dexels& dexels = model.family(axis);
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  return dexels.contains(
-      dexels.lineAt(nearestPoint(model.grid(), u, p[u]), nearestPoint(model.grid(), v, p[v])), p[axis]);
+  return dexels.contains(dexels.lineAt(model.grid().nearestTo(u, p[u]), model.grid().nearestTo(v, p[v])),
+                         p[axis]);
 }
 
 /// f(i) for i from 0 to count - 1, on the execution's threads.
@@ -240,8 +232,8 @@ std::vector<DexelMeasured> measureAt(const Truth& truth, int resolution, const E
 
   std::vector<Surfel> ends =
       surfelsOf(model, {.family = kOneFamily, .ends = points::DexelEnds::All}, execution);
-  DexelMeasured& one =
-      add(Representation::OneFamily, {std::move(ends), [&](Point p) { return saysInside(model, kOneFamily, p); }});
+  DexelMeasured& one = add(Representation::OneFamily,
+                           {std::move(ends), [&](Point p) { return saysInside(model, kOneFamily, p); }});
   one.lines = model.family(kOneFamily).lineCount();
   one.bytes = model.family(kOneFamily).bytes();
   one.bytesWithoutOperations = bare.family(kOneFamily).bytes();

@@ -61,6 +61,12 @@ int DexelGrid::firstFrom(int axis, double coordinate) const {
   return i;
 }
 
+int DexelGrid::nearestTo(int axis, float coordinate) const {
+  const double steps = (static_cast<double>(coordinate) - static_cast<double>(at(axis, 0))) / cell_;
+  return static_cast<int>(
+      std::clamp(std::floor(steps + 0.5), 0.0, counts_[static_cast<std::size_t>(axis)] - 1.0));
+}
+
 DexelGrid::Range DexelGrid::pointsIn(int axis, const Box& box) const {
   Range range{firstFrom(axis, low(box, axis)), firstFrom(axis, high(box, axis))};
   if (range.end < counts_[static_cast<std::size_t>(axis)] && at(axis, range.end) == box.max[axis])

@@ -36,6 +36,9 @@ class DexelGrid {
   }
   /// The first point of an axis at `coordinate` or after it; may be beyond the grid.
   [[nodiscard]] int firstFrom(int axis, double coordinate) const;
+  /// The point of the grid that is nearest to a coordinate.
+  [[nodiscard]] int nearestTo(int axis, float coordinate) const;
+
   /// The points of an axis whose coordinates are within a box, faces included.
   struct Range {
     int begin = 0, end = 0;

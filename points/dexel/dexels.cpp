@@ -1,6 +1,7 @@
 #include "points/dexel/dexels.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <limits>
@@ -23,14 +24,12 @@ std::uint32_t numberIn(OperationId id) {
   return static_cast<std::uint32_t>(id);
 }
 
+// Ends that a row has room for once it has a line with several spans.
+constexpr std::size_t kLeastPool = 32;
+
 // Places hold powers of two.
 std::size_t classOf(std::size_t room) {
   return static_cast<std::size_t>(std::bit_width(room - 1));
-}
-
-LineEnds& scratchEnds() {
-  thread_local LineEnds ends;
-  return ends;
 }
 
 }  // namespace
@@ -114,7 +113,10 @@ SpanEnd* Dexels::takePlace(std::size_t line, std::size_t count) {
       row.free[kind].pop_back();
     } else {
       place = static_cast<std::uint32_t>(row.pool.size());
-      row.pool.resize(row.pool.size() + room + 1);
+      // By a quarter: there are many rows, and what each keeps for later adds up.
+      const std::size_t size = row.pool.size() + room + 1, held = row.pool.capacity();
+      if (size > held) row.pool.reserve(std::max({size, held + held / 4, kLeastPool}));
+      row.pool.resize(size);
     }
     row.pool[place].outer = static_cast<OperationId>(room);
     if (hasMore(line)) {
@@ -171,13 +173,36 @@ class Dexels::Ends {
   std::span<const SpanEnd> ends_;
 };
 
+// The ends of a line with one span or none, and room for what one change makes of them.
+class Dexels::FewEnds {
+ public:
+  FewEnds(const Dexels& dexels, std::size_t line) {
+    if (dexels.isEmpty(line)) return;
+    ends_ = {dexels.endOf(line, false), dexels.endOf(line, true)};
+    size_ = 2;
+  }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] float depth(std::size_t i) const { return ends_[i].depth; }
+  [[nodiscard]] SpanEnd get(std::size_t i) const { return ends_[i]; }
+  void replace(std::size_t first, std::size_t gone, const SpanEnd* fresh, std::size_t count) {
+    const std::array<SpanEnd, 4> old = ends_;
+    std::copy(fresh, fresh + count, ends_.begin() + first);
+    std::copy(old.begin() + first + gone, old.begin() + size_, ends_.begin() + first + count);
+    size_ = size_ - gone + count;
+  }
+  [[nodiscard]] std::span<const SpanEnd> all() const { return {ends_.data(), size_}; }
+
+ private:
+  std::array<SpanEnd, 4> ends_;
+  std::size_t size_ = 0;
+};
+
 bool Dexels::change(std::size_t line, const ToolSpan& span, bool fills, OperationId id) {
   if (!keepsOperations()) id = OperationId::None;
   if (hasMore(line)) return changeStretch(Ends(*this, line), span, fills, id);
-  LineEnds& ends = scratchEnds();
-  read(line, ends);
-  if (!changeLine(ends, span, fills, id)) return false;
-  write(line, ends);
+  FewEnds ends(*this, line);
+  if (!changeStretch(ends, span, fills, id)) return false;
+  write(line, ends.all());
   return true;
 }
 

@@ -90,6 +90,7 @@ class Dexels {
     std::vector<std::vector<std::uint32_t>> free;  // places by the logarithm of their room
   };
   class Ends;
+  class FewEnds;
   [[nodiscard]] Row& rowOf(std::size_t line) { return rows_[line / static_cast<std::size_t>(width_)]; }
   [[nodiscard]] std::span<const SpanEnd> severalOf(std::size_t line) const;
   [[nodiscard]] SpanEnd endOf(std::size_t line, bool exit) const;

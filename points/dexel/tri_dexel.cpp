@@ -41,7 +41,8 @@ class FamilyRows {
         v_((axis + 2) % 3),
         dexels_(dexels),
         hulls_(dexels.hulls()),
-        columns_(columns) {}
+        columns_(columns),
+        perCell_(1 / grid.cell()) {}
 
   [[nodiscard]] int height() const { return dexels_.height(); }
 
@@ -147,7 +148,7 @@ class FamilyRows {
       const double dv = static_cast<double>(grid_.at(v_, v)) - cv, square = r * r - dv * dv;
       if (!(square > 0)) continue;
       const double chord = std::sqrt(square);
-      const int begin = grid_.firstFrom(u_, cu - chord), end = grid_.firstFrom(u_, cu + chord);
+      const int begin = firstColumnFrom(cu - chord), end = firstColumnFrom(cu + chord);
       for (int u = begin; u < end; u += static_cast<int>(kLanes)) {
         const std::size_t count = std::min(kLanes, static_cast<std::size_t>(end - u));
         segments[n++] = {{cu, cz, square, static_cast<float>(dv), side, axis_}, v, u, count, 0};
@@ -162,6 +163,16 @@ class FamilyRows {
       }
     }
     applySegments({segments.data(), n}, sign, id);
+  }
+
+  // DexelGrid::firstFrom of the columns, from the coordinates at hand.
+  [[nodiscard]] int firstColumnFrom(double coordinate) const {
+    const double guess = std::ceil((coordinate - static_cast<double>(columns_[0])) * perCell_);
+    int i = static_cast<int>(std::clamp(guess, 0.0, static_cast<double>(dexels_.width())));
+    const auto at = [&](int k) { return static_cast<double>(columns_[static_cast<std::size_t>(k)]); };
+    while (i > 0 && at(i - 1) >= coordinate) --i;
+    while (i < dexels_.width() && at(i) < coordinate) ++i;
+    return i;
   }
 
   // Asks for the memory of neighbouring lines, which is on its way while others are worked on: strokes jump
@@ -296,6 +307,7 @@ class FamilyRows {
   Dexels::Hulls hulls_;
   const SpanKernels& kernels_ = spanKernels();
   std::span<const float> columns_;
+  double perCell_;
 };
 
 }  // namespace

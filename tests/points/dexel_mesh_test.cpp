@@ -18,6 +18,7 @@
 #include "tests/support/brute_force.h"
 #include "tests/support/effort.h"
 #include "tests/support/meshes.h"
+#include "tests/support/shared_meshes.h"
 
 namespace restroke::points {
 namespace {
@@ -27,21 +28,12 @@ using restroke::testing::ballMesh;
 using restroke::testing::boxMesh;
 using restroke::testing::insideOut;
 using restroke::testing::kSanitized;
+using restroke::testing::meshesIn;
+using restroke::testing::meshFolder;
 using restroke::testing::Random;
 using restroke::testing::together;
 using testing::crossingsByDefinition;
 using testing::wholeNumbers;
-
-fs::path dataFolder() {
-  return fs::path(RESTROKE_SHARED_DIR) / "data" / "meshes";
-}
-
-std::vector<fs::path> filesIn(const char* folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(dataFolder() / folder)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 LineEnds endsOf(const TriDexel& model, int axis, int column, int row) {
   LineEnds ends;
@@ -275,7 +267,7 @@ TEST(MeshDexels, ARepairMakesASolidOfAnOpenMeshAndSaysWhatWasWrong) {
 class MeshDexelsData : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!fs::is_directory(dataFolder())) GTEST_SKIP() << "no shared data: " << dataFolder();
+    if (!fs::is_directory(meshFolder())) GTEST_SKIP() << "no shared data: " << meshFolder();
   }
 };
 
@@ -294,7 +286,7 @@ double areaAlong(const TriangleMesh& mesh, int axis) {
 // parallel to them. Such a face is off by half a cell at most. The other two families see it.
 TEST_F(MeshDexelsData, EveryClosedMeshHasItsVolumeOnEachFamilyAndNoOddLine) {
   int exact = 0, all = 0;
-  for (const fs::path& file : filesIn("closed")) {
+  for (const fs::path& file : meshesIn("closed")) {
     SCOPED_TRACE(file.filename());
     const TriangleMesh mesh = readMesh(file);
     const MeshModel made = meshModelOf(mesh, {.lines = {.resolution = kSanitized ? 64 : 256}});
@@ -318,7 +310,7 @@ TEST_F(MeshDexelsData, EveryClosedMeshHasItsVolumeOnEachFamilyAndNoOddLine) {
 
 TEST_F(MeshDexelsData, ClosedMeshesAgreeWithTheWindingNumber) {
   Random random(23);
-  for (const fs::path& file : filesIn("closed")) {
+  for (const fs::path& file : meshesIn("closed")) {
     SCOPED_TRACE(file.filename());
     const WindingNumber winding(readMesh(file));
     const DexelGrid grid = dexelGridFor(boundsOf(winding.mesh()), {.resolution = 50});
@@ -343,7 +335,7 @@ TEST_F(MeshDexelsData, ClosedMeshesAgreeWithTheWindingNumber) {
 
 TEST_F(MeshDexelsData, BadMeshesGiveASentenceOrAModelAndARepairedModelWhereThereIsARepair) {
   for (const char* folder : {"bad", "formats"})
-    for (const fs::path& file : filesIn(folder)) {
+    for (const fs::path& file : meshesIn(folder)) {
       SCOPED_TRACE(file.filename());
       TriangleMesh mesh;
       try {

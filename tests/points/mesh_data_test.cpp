@@ -16,16 +16,14 @@
 #include "implicit/geometry/winding_number.h"
 #include "points/files/mesh_files.h"
 #include "tests/points/mesh_file_support.h"
+#include "tests/support/shared_meshes.h"
 
 namespace restroke::points {
 namespace {
 
 namespace fs = std::filesystem;
+using restroke::testing::meshFolder;
 using testing::bytesOf;
-
-fs::path dataFolder() {
-  return fs::path(RESTROKE_SHARED_DIR) / "data" / "meshes";
-}
 
 struct Expected {
   const char* file;
@@ -98,10 +96,10 @@ const std::vector<Expected>& table() {
 }
 
 TEST(MeshData, EveryFileIsReadAndItsFaultsAreThoseThatOtherProgramsCount) {
-  if (!fs::is_directory(dataFolder())) GTEST_SKIP() << "no shared data: " << dataFolder();
+  if (!fs::is_directory(meshFolder())) GTEST_SKIP() << "no shared data: " << meshFolder();
   for (const Expected& e : table()) {
     SCOPED_TRACE(e.file);
-    const TriangleMesh mesh = readMesh(dataFolder() / e.file);
+    const TriangleMesh mesh = readMesh(meshFolder() / e.file);
     EXPECT_EQ(mesh.vertices.size(), e.vertices);
     EXPECT_EQ(mesh.triangles.size(), e.triangles);
     const MeshFaults f = faultsOf(mesh);
@@ -123,9 +121,9 @@ TEST(MeshData, EveryFileIsReadAndItsFaultsAreThoseThatOtherProgramsCount) {
 }
 
 TEST(MeshData, TheTableNamesEveryFileThatIsNoPointCloud) {
-  if (!fs::is_directory(dataFolder())) GTEST_SKIP() << "no shared data: " << dataFolder();
+  if (!fs::is_directory(meshFolder())) GTEST_SKIP() << "no shared data: " << meshFolder();
   for (const char* folder : {"closed", "bad", "formats"})
-    for (const auto& entry : fs::directory_iterator(dataFolder() / folder)) {
+    for (const auto& entry : fs::directory_iterator(meshFolder() / folder)) {
       const std::string name = std::string(folder) + '/' + entry.path().filename().string();
       if (name == "formats/points_ascii_with_lists.ply") {
         EXPECT_THROW((void)readMesh(entry.path()), InputError);
@@ -152,10 +150,10 @@ void mayBeRefused(std::string_view contents, const std::string& name) {
 }
 
 TEST(MeshData, TruncatedFilesAreReadOrRefused) {
-  if (!fs::is_directory(dataFolder())) GTEST_SKIP() << "no shared data: " << dataFolder();
+  if (!fs::is_directory(meshFolder())) GTEST_SKIP() << "no shared data: " << meshFolder();
   for (const Expected& e : table()) {
     SCOPED_TRACE(e.file);
-    const std::string whole = bytesOf(dataFolder() / e.file);
+    const std::string whole = bytesOf(meshFolder() / e.file);
     // Every byte of short files, of long ones fifty, half of them near the beginning.
     std::vector<std::size_t> sizes;
     if (whole.size() < 1500) {
@@ -172,11 +170,11 @@ TEST(MeshData, TruncatedFilesAreReadOrRefused) {
 }
 
 TEST(MeshData, FilesWithBytesChangedAreReadOrRefused) {
-  if (!fs::is_directory(dataFolder())) GTEST_SKIP() << "no shared data: " << dataFolder();
+  if (!fs::is_directory(meshFolder())) GTEST_SKIP() << "no shared data: " << meshFolder();
   constexpr std::uint64_t kSeed = 20261;
   std::mt19937_64 random(kSeed);
   for (const Expected& e : table()) {
-    const std::string whole = bytesOf(dataFolder() / e.file);
+    const std::string whole = bytesOf(meshFolder() / e.file);
     if (whole.size() > 30000) continue;
     for (int round = 0; round < 60; ++round) {
       SCOPED_TRACE(std::string(e.file) + " round " + std::to_string(round) + " seed " +
@@ -203,12 +201,12 @@ TEST(MeshData, FilesWithBytesChangedAreReadOrRefused) {
 }
 
 TEST(MeshData, WindingNumbersOfClosedMeshesAreWholeAndFastOnesClose) {
-  if (!fs::is_directory(dataFolder())) GTEST_SKIP() << "no shared data: " << dataFolder();
+  if (!fs::is_directory(meshFolder())) GTEST_SKIP() << "no shared data: " << meshFolder();
   std::mt19937_64 random(4);
   const auto next = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };
   double worst = 0;
   for (const Expected& e : table()) {
-    const TriangleMesh mesh = readMesh(dataFolder() / e.file);
+    const TriangleMesh mesh = readMesh(meshFolder() / e.file);
     if (mesh.triangles.empty()) continue;
     SCOPED_TRACE(e.file);
     const bool isClosed = e.borders + e.crowded + e.inconsistent + e.degenerate == 0;
@@ -239,9 +237,9 @@ TEST(MeshData, WindingNumbersOfClosedMeshesAreWholeAndFastOnesClose) {
 }
 
 TEST(MeshData, TheWindingNumberSeesThroughTheHolesOfTheElephant) {
-  if (!fs::is_directory(dataFolder())) GTEST_SKIP() << "no shared data: " << dataFolder();
-  const WindingNumber whole(readMesh(dataFolder() / "closed/elephant.off")),
-      holes(readMesh(dataFolder() / "bad/elephant-with-holes.off"));
+  if (!fs::is_directory(meshFolder())) GTEST_SKIP() << "no shared data: " << meshFolder();
+  const WindingNumber whole(readMesh(meshFolder() / "closed/elephant.off")),
+      holes(readMesh(meshFolder() / "bad/elephant-with-holes.off"));
   const Box box = boundsOf(whole.mesh());
   std::mt19937_64 random(8);
   const auto next = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };

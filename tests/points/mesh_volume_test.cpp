@@ -31,6 +31,7 @@
 #include "tests/support/brute_force.h"
 #include "tests/support/effort.h"
 #include "tests/support/meshes.h"
+#include "tests/support/shared_meshes.h"
 
 namespace restroke::points {
 namespace {
@@ -42,19 +43,10 @@ using implicit::Volume;
 using restroke::testing::ballMesh;
 using restroke::testing::boxMesh;
 using restroke::testing::insideOut;
+using restroke::testing::meshesIn;
+using restroke::testing::meshFolder;
 using restroke::testing::Random;
 using testing::distanceFrom;
-
-fs::path dataFolder() {
-  return fs::path(RESTROKE_SHARED_DIR) / "data" / "meshes";
-}
-
-std::vector<fs::path> filesIn(const char* folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(dataFolder() / folder)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
 
 std::shared_ptr<const Volume> solidOf(TriangleMesh mesh, const std::string& file = {}) {
   auto source = std::make_shared<MeshSource>();
@@ -82,7 +74,7 @@ struct Closed {
 const std::vector<Closed>& closedMeshes() {
   static const std::vector<Closed> all = [] {
     std::vector<Closed> made;
-    for (const fs::path& file : filesIn("closed")) {
+    for (const fs::path& file : meshesIn("closed")) {
       TriangleMesh mesh = readMesh(file);
       auto volume = solidOf(mesh, file.string());
       made.push_back({file.filename().string(), std::move(mesh), std::move(volume)});
@@ -95,7 +87,7 @@ const std::vector<Closed>& closedMeshes() {
 class MeshVolumeData : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!fs::is_directory(dataFolder())) GTEST_SKIP() << "no shared data: " << dataFolder();
+    if (!fs::is_directory(meshFolder())) GTEST_SKIP() << "no shared data: " << meshFolder();
   }
 };
 
@@ -291,7 +283,7 @@ void checkRemeshed(const Bad& bad, const TriangleMesh& mesh, const Repaired& rep
 TEST_F(MeshVolumeData, S13BadFilesAreRefusedOrRepaired) {
   if (restroke::testing::kSanitized) GTEST_SKIP() << "takes minutes with sanitizers; the plain builds run it";
   std::size_t files = 0;
-  for (const fs::path& path : filesIn("bad")) {
+  for (const fs::path& path : meshesIn("bad")) {
     ++files;
     const auto row = std::find_if(badFiles().begin(), badFiles().end(),
                                   [&](const Bad& b) { return path.filename().string() == b.file; });
@@ -327,9 +319,9 @@ TEST_F(MeshVolumeData, S13BadFilesAreRefusedOrRepaired) {
 
 TEST_F(MeshVolumeData, S13TheElephantWithHolesBecomesTheElephant) {
   if (restroke::testing::kSanitized) GTEST_SKIP() << "takes minutes with sanitizers; the plain builds run it";
-  const TriangleMesh whole = readMesh(dataFolder() / "closed" / "elephant.off");
+  const TriangleMesh whole = readMesh(meshFolder() / "closed" / "elephant.off");
   const auto truth = solidOf(whole);
-  const auto mine = solidOf(repairByWinding(readMesh(dataFolder() / "bad" / "elephant-with-holes.off")).mesh);
+  const auto mine = solidOf(repairByWinding(readMesh(meshFolder() / "bad" / "elephant-with-holes.off")).mesh);
   Random random(25);
   int agree = 0, either = 0, both = 0;
   constexpr int kPoints = 50'000;
