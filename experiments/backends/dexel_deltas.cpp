@@ -3,8 +3,6 @@
 //
 // Lines are as far apart as the log's surfels are: a line for each sample of a face that it meets squarely.
 
-#include <xxhash.h>
-
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -101,7 +99,7 @@ class DexelDeltas final : public HistoryBackend {
     primitives_ = deltas_[cursor_++].primitives;
   }
 
-  [[nodiscard]] std::uint64_t stateHash() const override { return hashOfLines(model_); }
+  [[nodiscard]] std::uint64_t stateHash() const override { return model_.stateHash(); }
   [[nodiscard]] std::uint64_t hashOfShape(const ShapeView& shape) const override {
     TriDexel model(start_);
     Box positive;
@@ -109,7 +107,7 @@ class DexelDeltas final : public HistoryBackend {
       if (primitive.sign == implicit::Sign::Positive) positive.add(boundsOf(primitive.shape));
     model.growTo(positive);
     model.apply(shape.list, OperationId::Initial, execution_);
-    return hashOfLines(model);
+    return model.stateHash();
   }
   [[nodiscard]] std::size_t bytes() const override {
     std::size_t total = deltas_.capacity() * sizeof(Delta);
@@ -139,11 +137,8 @@ class DexelDeltas final : public HistoryBackend {
   }
 
   [[nodiscard]] LineKey keyOf(std::uint32_t axis, std::size_t line) const {
-    return keyOf(model_, axis, line);
-  }
-  static LineKey keyOf(const TriDexel& model, std::uint32_t axis, std::size_t line) {
-    const auto width = static_cast<std::size_t>(model.family(static_cast<int>(axis)).width());
-    const std::array<int, 3> first = model.grid().parts().first;
+    const auto width = static_cast<std::size_t>(model_.family(static_cast<int>(axis)).width());
+    const std::array<int, 3> first = model_.grid().parts().first;
     return {first[(axis + 1) % 3] + static_cast<std::int32_t>(line % width),
             first[(axis + 2) % 3] + static_cast<std::int32_t>(line / width), axis};
   }
@@ -158,26 +153,6 @@ class DexelDeltas final : public HistoryBackend {
       dexels.write(line, forwards ? ends.subspan(change.before, change.after) : ends.first(change.before));
       ends = ends.subspan(change.before + change.after);
     }
-  }
-
-  // Of all lines that have ends: a grid that has grown holds the same solid as one that has not.
-  static std::uint64_t hashOfLines(const TriDexel& model) {
-    const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
-                                                                                XXH3_freeState);
-    XXH3_64bits_reset(state.get());
-    LineEnds ends;
-    static_assert(sizeof(SpanEnd) == 16 && sizeof(LineKey) == 12, "hashed as they lie in memory");
-    for (std::uint32_t axis = 0; axis < 3; ++axis) {
-      const Dexels& dexels = model.family(static_cast<int>(axis));
-      for (std::size_t line = 0; line < dexels.lineCount(); ++line) {
-        dexels.read(line, ends);
-        if (ends.empty()) continue;
-        const LineKey key = keyOf(model, axis, line);
-        XXH3_64bits_update(state.get(), &key, sizeof key);
-        XXH3_64bits_update(state.get(), ends.data(), ends.size() * sizeof(SpanEnd));
-      }
-    }
-    return XXH3_64bits_digest(state.get());
   }
 
   Execution execution_;

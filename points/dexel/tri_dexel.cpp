@@ -2,11 +2,13 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "implicit/errors.h"
@@ -448,6 +450,35 @@ std::size_t TriDexel::bytes() const {
   for (const Dexels& dexels : families_) bytes += dexels.bytes();
   for (const auto& of : coordinates_) bytes += of.capacity() * sizeof(float);
   return bytes;
+}
+
+std::uint64_t TriDexel::stateHash() const {
+  // What is hashed as it lies in memory has no gaps.
+  struct Key {
+    std::int32_t column, row, axis, ends;
+  };
+  static_assert(sizeof(Key) == 16 && sizeof(SpanEnd) == 16);
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                              XXH3_freeState);
+  const DexelGrid::Parts parts = grid_.parts();
+  const double frame[4] = {parts.anchor.x, parts.anchor.y, parts.anchor.z, parts.cell};
+  XXH3_64bits_reset(state.get());
+  XXH3_64bits_update(state.get(), frame, sizeof frame);
+  LineEnds ends;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Dexels& dexels = family(axis);
+    const int left = parts.first[static_cast<std::size_t>((axis + 1) % 3)],
+              top = parts.first[static_cast<std::size_t>((axis + 2) % 3)];
+    for (int row = 0; row < dexels.height(); ++row)
+      for (int column = 0; column < dexels.width(); ++column) {
+        dexels.read(dexels.lineAt(column, row), ends);
+        if (ends.empty()) continue;
+        const Key key{left + column, top + row, axis, static_cast<std::int32_t>(ends.size())};
+        XXH3_64bits_update(state.get(), &key, sizeof key);
+        XXH3_64bits_update(state.get(), ends.data(), ends.size() * sizeof(SpanEnd));
+      }
+  }
+  return XXH3_64bits_digest(state.get());
 }
 
 TriDexel triDexelOf(const implicit::PrimitiveList& list, const DexelGrid& grid, implicit::Prefix prefix,

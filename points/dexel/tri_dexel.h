@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -49,6 +50,9 @@ class TriDexel {
   [[nodiscard]] Box bounds() const;
   [[nodiscard]] std::size_t endCount() const;
   [[nodiscard]] std::size_t bytes() const;
+  /// Of the lines that have ends, by how far they are from the grid's anchor, and of all their ends: a model
+  /// whose grid has grown, and is empty there, has the hash that it had. O(lines).
+  [[nodiscard]] std::uint64_t stateHash() const;
   /// Same lines, same ends, bit for bit.
   bool operator==(const TriDexel& other) const {
     return grid_ == other.grid_ && families_ == other.families_;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "implicit/simd/dispatch.h"
 #include "points/dexel/dexel_tool.h"
 #include "points/dexel/gl/gl_tri_dexel.h"
 #include "points/dexel/tool_pose.h"
@@ -14,6 +15,7 @@
 #include "sculpt/base_change.h"
 #include "sculpt/cli/commands.h"
 #include "sculpt/cli/dexel_output.h"
+#include "sculpt/cli/replaying.h"
 #include "sculpt/cli/sources.h"
 #include "sculpt/shape_text.h"
 
@@ -155,6 +157,8 @@ void report(Output& output, const DexelReport& report, const nlohmann::ordered_j
                               {"initial", initial},
                               {"tools", document.tools.size()},
                               {"operations", document.operations.size()},
+                              {"state_hash", hexHash(model.stateHash())},
+                              {"simd", implicit::simdLevelName()},
                               {"model_bytes", bytes},
                               {"file_bytes", fileBytes}};
   json.update(more);

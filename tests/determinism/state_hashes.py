@@ -8,7 +8,7 @@ TEXT says how RESTROKE was built, for the table's head; `ctest -R determinism -V
 and Debian compares with the same state_hashes.txt, so all of them agree. What is in the shared folder is left out where that is absent.
 
 Shipped logs and shared stamp lists are replayed at every SIMD level that the processor has with 1, 2 and 8 threads; the stages of a
-figure and imported pen strokes with each of these once. Each shipped log and stamp list is also made from its primitives all at
+figure and imported pen strokes with each of these once. Logs, stamp lists and two meshes also become tri-dexels. Each shipped log and stamp list is also made from its primitives all at
 once, every sample evaluated anew, and each stamp list with a stroke of its own for every stamp: the same hash.
 """
 import argparse
@@ -71,17 +71,34 @@ def sources(program, source_dir, shared_dir, scratch):
     return out
 
 
-def replay(program, log, simd=None, threads=1, *options):
+def restroke(program, words, simd, threads):
     """The JSON that the program prints."""
     env = dict(os.environ, **({"RESTROKE_SIMD": simd} if simd else {}))
-    done = subprocess.run([program, "replay", log, "--threads", str(threads), "--json", "-", *options], env=env,
-                          capture_output=True, text=True)
+    done = subprocess.run([program, *words, "--threads", str(threads), "--json", "-"], env=env, capture_output=True, text=True)
     if done.returncode != 0:
-        sys.exit("replay of %s with %s and %d threads failed: %s" % (log, simd, threads, done.stderr))
+        sys.exit("%s with %s and %d threads failed: %s" % (" ".join(words), simd, threads, done.stderr))
     out = json.loads(done.stdout[done.stdout.index("{"):])
     if simd and out["simd"] != simd:
         sys.exit("asked for %s, the program used %s" % (simd, out["simd"]))
     return out
+
+
+def replay(program, log, simd=None, threads=1, *options):
+    return restroke(program, ["replay", log, *options], simd, threads)
+
+
+def tri_dexel(program, source, simd, threads):
+    with tempfile.TemporaryDirectory() as scratch:
+        return restroke(program, ["dexel", "build", source, "--resolution", "48", "--out", os.path.join(scratch, "m.tridexel")],
+                        simd, threads)
+
+
+def dexel_sources(all_sources, shared_dir, once):
+    """What becomes a tri-dexel: shipped logs, stamp lists and meshes, each with every combination."""
+    meshes = os.path.join(shared_dir, "data", "meshes", "closed")
+    out = [Source("dexel:" + source.name, source.log, not once) for source in all_sources if source.full]
+    return out + [Source("dexel:shared/meshes/" + name, os.path.join(meshes, name), not once)
+                  for name in ("elephant.off", "thingi112932.stl") if os.path.isfile(os.path.join(meshes, name))]
 
 
 def one_by_one(stamps, out):
@@ -177,16 +194,19 @@ def main():
         levels = SIMD_LEVELS[:SIMD_LEVELS.index(highest) + 1]
         print("built by %s; the processor has %s" % (options.built, ", ".join(levels)))
         ways = [way for source in all_sources if source.full for way in ways_of(source, pool, options.program, scratch)]
+        dexels = dexel_sources(all_sources, options.shared_dir, options.once)
         for source in all_sources:
             source.full = source.full and not options.once
         results = {(source.name, level, threads): pool.submit(replay, options.program, source.log, level, threads)
                    for source in all_sources for level, threads in source.variants(levels)}
-        compare_variants(table, all_sources, levels, results)
+        results.update({(source.name, level, threads): pool.submit(tri_dexel, options.program, source.log, level, threads)
+                        for source in dexels for level, threads in source.variants(levels)})
+        compare_variants(table, all_sources + dexels, levels, results)
         compare_ways(table, ways)
     if options.write:
         write_expected(table.expected, table.found)
         return 0
-    print("\n%d logs and lists: %s" % (len(all_sources), "all hashes are those written down in state_hashes.txt"
+    print("\n%d logs, lists and models: %s" % (len(all_sources) + len(dexels), "all hashes are those written down in state_hashes.txt"
                                        if table.failures == 0 else "%d rows differ" % table.failures))
     return 1 if table.failures else 0
 
