@@ -360,6 +360,13 @@ void TriDexel::apply(std::span<const Primitive> primitives, OperationId first, c
   }
 }
 
+void TriDexel::intersect(const Shape& shape, OperationId id, const Execution& execution) {
+  TriDexel kept(grid_, {.operations = false});
+  const Primitive primitive{shape, Sign::Positive};
+  kept.apply({&primitive, 1}, OperationId::Initial, execution);
+  apply(kept, DexelOperation::Intersection, id, execution);
+}
+
 void TriDexel::apply(const TriDexel& other, DexelOperation operation, OperationId id,
                      const Execution& execution) {
   RESTROKE_CHECK_EQ(grid_ == other.grid_, true);

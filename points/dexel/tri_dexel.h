@@ -32,6 +32,8 @@ class TriDexel {
   /// cut off at its outermost lines: growTo first. O(lines met), whatever else there is.
   void apply(std::span<const implicit::Primitive> primitives, OperationId first,
              const Execution& execution = {});
+  /// Keeps what is within a shape. O(all lines).
+  void intersect(const implicit::Shape& shape, OperationId id, const Execution& execution = {});
   /// Unites with another solid on the same lines, subtracts it, or keeps what both have. Throws InternalError
   /// when the grids differ.
   void apply(const TriDexel& other, DexelOperation operation, OperationId id,

@@ -49,14 +49,25 @@ struct Run {
   [[nodiscard]] std::string placeOf(std::size_t pose) const { return fmt::format("pose {}", pose + 1); }
 };
 
+DexelOperation operationNamed(const std::string& mode) {
+  if (mode == "cut") return DexelOperation::Subtraction;
+  if (mode == "add") return DexelOperation::Union;
+  if (mode == "intersect") return DexelOperation::Intersection;
+  throw InputError(fmt::format("--mode: \"{}\" must be cut, add or intersect", mode));
+}
+
 void applyShape(const Run& run, const implicit::Shape& shape) {
   const bool adds = run.operation == DexelOperation::Union;
+  TriDexel& model = run.document.model;
   Progress progress("apply", run.poses.size());
   for (std::size_t i = 0; i < run.poses.size(); ++i) {
     const implicit::Primitive primitive{sculpt::mappedShape(shape, affineOf(run.poses[i]), run.placeOf(i)),
                                         adds ? implicit::Sign::Positive : implicit::Sign::Negative};
-    if (adds) run.document.model.growTo(boundsOf(primitive.shape));
-    run.document.model.apply({&primitive, 1}, run.nextId(), run.execution);
+    if (adds) model.growTo(boundsOf(primitive.shape));
+    if (run.operation == DexelOperation::Intersection)
+      model.intersect(primitive.shape, run.nextId(), run.execution);
+    else
+      model.apply({&primitive, 1}, run.nextId(), run.execution);
     run.document.operations.push_back({run.operation, primitive.shape});
     progress.update(i + 1);
   }
@@ -169,14 +180,12 @@ void report(Output& output, const DexelReport& report, const nlohmann::ordered_j
 int runDexelApply(const DexelApplyOptions& options) {
   const auto start = Clock::now();
   checkDevice(options.device);
-  if (options.mode != "cut" && options.mode != "add")
-    throw InputError(fmt::format("--mode: \"{}\" must be cut or add", options.mode));
+  const DexelOperation operation = operationNamed(options.mode);
   Output output(options.common);
   TriDexelDocument document = points::readTriDexel(options.model);
   const std::vector<PoseMatrix> poses =
       options.poses.empty() ? std::vector{points::kIdentityPose} : points::readPoses(options.poses);
-  const Run run{document, options.mode == "add" ? DexelOperation::Union : DexelOperation::Subtraction, poses,
-                executionOf(options.common)};
+  const Run run{document, operation, poses, executionOf(options.common)};
   if (sourceKindOf(options.tool) == SourceKind::Mesh) {
     const TriangleMesh mesh = points::readMesh(options.tool);
     const points::DexelTool tool =

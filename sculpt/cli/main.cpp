@@ -187,7 +187,7 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
   apply->add_option(
       "--poses", a.poses,
       "one pose a line: 16 numbers, a 4 x 4 matrix row by row; without, the tool is where it is");
-  apply->add_option("--mode", a.mode, "cut (default) or add");
+  apply->add_option("--mode", a.mode, "cut (default), add, or intersect: keep what is within the tool");
   apply->add_option("--device", a.device, "cpu (default), or opengl: a mesh tool is sampled by drawing it");
   apply->add_option("--out", a.out, "tri-dexel to write")->required();
   addCommon(apply, a.common);

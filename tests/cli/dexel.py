@@ -66,6 +66,13 @@ class Models(Dexel):
                            self.file("beside.txt", moved(1, 0, 0)), "--mode", "add", "--out", self.path("g.tridexel"))
         self.assertAlmostEqual(grown["volume"], 2, delta=2e-2)
         self.assertGreater(grown["counts"][0], 60)
+        kept = self.dexel("apply", self.path("m.tridexel"), "--tool", tool, "--poses",
+                          self.file("corner.txt", moved(0.5, 0.5, 0.5)), "--mode", "intersect", "--out",
+                          self.path("k.tridexel"))
+        self.assertAlmostEqual(kept["volume"], 0.125, delta=5e-3)
+        kept = self.dexel("apply", self.path("m.tridexel"), "--tool", "sphere:0,0,0,0.4", "--mode", "intersect", "--out",
+                          self.path("k.tridexel"))
+        self.assertAlmostEqual(kept["volume"], 0.2681, delta=2e-3)
         # A shape in words; the same tool mesh again is not held twice.
         ball = self.dexel("apply", self.path("cut.tridexel"), "--tool", "sphere:0,0,0,0.3", "--out",
                           self.path("ball.tridexel"))
@@ -137,6 +144,7 @@ class BadInput(Dexel):
                 (("build", cube, *out, "--resolution", "9000"), "8192"),
                 (("build", cube, *out, "--cell", "nan"), "cell"),
                 (("build", cube, *out, "--cell", "1e-9"), "float32"),
+                (("build", cube, *out, "--cell", "1e-5"), "GB"),
                 (("build", cube, *out, "--resolution", "9", "--cell", "1"), "give one"),
                 (("build", cube, *out, "--device", "abacus"), "--device"),
                 (("build", cube, *out, "--repair", "glue"), "--repair"),

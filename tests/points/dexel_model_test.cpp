@@ -178,6 +178,29 @@ TEST(TriDexel, WholeModelsAreUnitedSubtractedAndIntersectedLineByLine) {
   }
 }
 
+TEST(TriDexel, KeepsWhatIsWithinAShape) {
+  const std::vector<Primitive> primitives = randomList(12, 100);
+  const PrimitiveList list = listOf(primitives);
+  const DexelGrid grid = dexelGridFor(list.bounds(), {.resolution = 70});
+  const implicit::Shape ball({0.3f, 0.1f, -0.2f}, 0.8f);
+  TriDexel model = triDexelOf(list, grid);
+  model.intersect(ball, OperationId{500}, {.threads = 2});
+  // Within both, and nowhere else.
+  std::size_t wrong = 0, inside = 0;
+  Random random(13);
+  for (int i = 0; i < 20'000; ++i) {
+    GridCounts at;
+    for (std::size_t a = 0; a < 3; ++a)
+      at[a] = static_cast<int>(random.below(static_cast<std::size_t>(grid.counts()[a])));
+    const Point p = grid.at(at);
+    const bool expected = sideOf(list, p) == implicit::Side::Inside && contains(ball, p);
+    inside += expected;
+    wrong += model.isInside(at) != expected;
+  }
+  EXPECT_GT(inside, 200u);
+  EXPECT_LE(wrong, 2u);
+}
+
 TEST(TriDexel, GrowsByEmptyLinesAndKeepsWhatIsThere) {
   const std::vector<Primitive> primitives = randomList(11, 60);
   const PrimitiveList list = listOf(primitives);
