@@ -24,9 +24,6 @@ std::uint32_t numberIn(OperationId id) {
   return static_cast<std::uint32_t>(id);
 }
 
-// Ends that a row has room for once it has a line with several spans.
-constexpr std::size_t kLeastPool = 32;
-
 // Places hold powers of two.
 std::size_t classOf(std::size_t room) {
   return static_cast<std::size_t>(std::bit_width(room - 1));
@@ -113,9 +110,11 @@ SpanEnd* Dexels::takePlace(std::size_t line, std::size_t count) {
       row.free[kind].pop_back();
     } else {
       place = static_cast<std::uint32_t>(row.pool.size());
-      // By a quarter: there are many rows, and what each keeps for later adds up.
+      // From a little for each line, by a quarter: there are many rows, and what each keeps for later adds
+      // up.
       const std::size_t size = row.pool.size() + room + 1, held = row.pool.capacity();
-      if (size > held) row.pool.reserve(std::max({size, held + held / 4, kLeastPool}));
+      if (size > held)
+        row.pool.reserve(std::max({size, held + held / 4, static_cast<std::size_t>(width_) / 8}));
       row.pool.resize(size);
     }
     row.pool[place].outer = static_cast<OperationId>(room);
