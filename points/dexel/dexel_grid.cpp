@@ -1,6 +1,7 @@
 #include "points/dexel/dexel_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "implicit/errors.h"
@@ -39,6 +40,39 @@ double cellFor(const Box& bounds, const DexelGridOptions& options) {
   for (int a = 0; a < 3; ++a) longest = std::max(longest, high(bounds, a) - low(bounds, a));
   if (!(longest > 0)) throw InputError("the solid is one point; there is nothing to lay lines through");
   return options.cell ? *options.cell : longest / options.resolution.value_or(kDefaultLines);
+}
+
+using Counts = std::array<double, 3>;
+
+// Throws when so many points along the axes are more lines than can be.
+void refuseTooMany(const Counts& points, double cell) {
+  const double lines = points[0] * points[1] + points[1] * points[2] + points[2] * points[0];
+  const double bytes = lines * kBytesPerLine;
+  const std::optional<std::size_t> available = availableBytes();
+  if (*std::max_element(points.begin(), points.end()) <= kMostLines && lines <= 0x1p31 &&
+      !(available && bytes > static_cast<double>(*available)))
+    return;
+  throw InputError(fmt::format(
+      "lines {:.6g} apart are {} x {} x {} of them along the three axes, {:.3g} in all, which take {:.3g} "
+      "GB{}; at "
+      "most {} along an axis are allowed",
+      cell, points[0], points[1], points[2], lines, bytes * 1e-9,
+      available ? fmt::format(" of the {:.3g} GB that are free", static_cast<double>(*available) * 1e-9) : "",
+      kMostLines));
+}
+
+// Throws when float32 has too few numbers from line to line at such a coordinate.
+void refuseTooFar(double coordinate, double cell) {
+  if (cell >= kLeastCellOfCoordinate * coordinate) return;
+  throw InputError(fmt::format(
+      "lines {:.6g} apart were asked for; so far from the origin ({:.6g}) float32 needs {:.6g} at least",
+      cell, coordinate, kLeastCellOfCoordinate * coordinate));
+}
+
+double largestCoordinate(const Box& box) {
+  double largest = 0;
+  for (int a = 0; a < 3; ++a) largest = std::max({largest, std::fabs(low(box, a)), std::fabs(high(box, a))});
+  return largest;
 }
 
 }  // namespace
@@ -85,14 +119,22 @@ DexelGrid DexelGrid::grownTo(const Box& bounds, GridCounts& before) const {
   DexelGrid grown = *this;
   before = {};
   if (bounds.empty()) return grown;
+  refuseTooFar(largestCoordinate(bounds), cell_);
+  Counts more[2], points;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
     const double first = static_cast<double>(at(axis, 0)) - cell_ / 2,
                  last = static_cast<double>(at(axis, counts_[a] - 1)) + cell_ / 2;
-    before[a] = static_cast<int>(std::max(0.0, std::ceil((first - low(bounds, axis)) / cell_ - 1e-9)));
-    const int after = static_cast<int>(std::max(0.0, std::ceil((high(bounds, axis) - last) / cell_ - 1e-9)));
+    more[0][a] = std::max(0.0, std::ceil((first - low(bounds, axis)) / cell_ - 1e-9));
+    more[1][a] = std::max(0.0, std::ceil((high(bounds, axis) - last) / cell_ - 1e-9));
+    points[a] = more[0][a] + counts_[a] + more[1][a];
+  }
+  if (more[0] == Counts{} && more[1] == Counts{}) return grown;
+  refuseTooMany(points, cell_);
+  for (std::size_t a = 0; a < 3; ++a) {
+    before[a] = static_cast<int>(more[0][a]);
     grown.first_[a] -= before[a];
-    grown.counts_[a] += before[a] + after;
+    grown.counts_[a] = static_cast<int>(points[a]);
   }
   return grown;
 }
@@ -100,28 +142,12 @@ DexelGrid DexelGrid::grownTo(const Box& bounds, GridCounts& before) const {
 DexelGrid dexelGridFor(const Box& bounds, const DexelGridOptions& options) {
   if (bounds.empty()) throw InputError("the solid is empty; there is nothing to lay lines through");
   const double cell = cellFor(bounds, options);
-  double largest = 0, points[3];
-  for (int a = 0; a < 3; ++a) {
-    largest = std::max({largest, std::fabs(low(bounds, a)), std::fabs(high(bounds, a))});
-    points[a] = std::max(1.0, std::ceil((high(bounds, a) - low(bounds, a)) / cell - 1e-9));
-  }
-  if (!(cell >= kLeastCellOfCoordinate * largest))
-    throw InputError(fmt::format(
-        "lines {:.6g} apart were asked for; so far from the origin ({:.6g}) float32 needs {:.6g} at least",
-        cell, largest, kLeastCellOfCoordinate * largest));
-  const double lines = points[0] * points[1] + points[1] * points[2] + points[2] * points[0];
-  const double bytes = lines * kBytesPerLine;
-  const std::optional<std::size_t> available = availableBytes();
-  if (*std::max_element(points, points + 3) > kMostLines || lines > 0x1p31 ||
-      (available && bytes > static_cast<double>(*available)))
-    throw InputError(fmt::format(
-        "lines {:.6g} apart are {} x {} x {} of them along the three axes, {:.3g} in all, which take {:.3g} "
-        "GB"
-        "{}; at most {} along an axis are allowed",
-        cell, points[0], points[1], points[2], lines, bytes * 1e-9,
-        available ? fmt::format(" of the {:.3g} GB that are free", static_cast<double>(*available) * 1e-9)
-                  : "",
-        kMostLines));
+  refuseTooFar(largestCoordinate(bounds), cell);
+  Counts points;
+  for (int a = 0; a < 3; ++a)
+    points[static_cast<std::size_t>(a)] =
+        std::max(1.0, std::ceil((high(bounds, a) - low(bounds, a)) / cell - 1e-9));
+  refuseTooMany(points, cell);
   return DexelGrid(bounds, cell);
 }
 

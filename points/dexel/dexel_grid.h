@@ -51,7 +51,8 @@ class DexelGrid {
   [[nodiscard]] std::size_t lineCount() const;
 
   /// The grid with as many more points on each side as it takes to have `bounds` within its cells. `before`
-  /// becomes how many of them come before the old ones.
+  /// becomes how many of them come before the old ones. Throws InputError as dexelGridFor does for lines that
+  /// are too many or too far away; empty bounds change nothing.
   [[nodiscard]] DexelGrid grownTo(const Box& bounds, GridCounts& before) const;
   bool operator==(const DexelGrid&) const = default;
 

@@ -39,7 +39,8 @@ class TriDexel {
   void apply(const TriDexel& other, DexelOperation operation, OperationId id,
              const Execution& execution = {});
 
-  /// Adds empty lines on all sides until `bounds` is covered. What is there stays. O(lines) if there are any.
+  /// Adds empty lines on all sides until `bounds` is covered. What is there stays. Throws InputError as
+  /// DexelGrid::grownTo, and then nothing has changed. O(lines) if there are any.
   void growTo(const Box& bounds);
 
   /// Is the grid point inside, as most of its three lines say?

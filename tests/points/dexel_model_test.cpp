@@ -218,6 +218,14 @@ TEST(TriDexel, GrowsByEmptyLinesAndKeepsWhatIsThere) {
   const TriDexel same = model;
   model.growTo(wider);
   EXPECT_EQ(model, same);
+  model.growTo({});
+  EXPECT_EQ(model, same);
+  // Far away there are too many lines on the way, or float32 has no numbers for them.
+  for (const float far : {600.0f, 1e6f}) {
+    wider.max.x = far;
+    EXPECT_THROW(model.growTo(wider), InputError);
+    EXPECT_EQ(model, same);
+  }
 }
 
 // SPEC R1 counts bytes at 200,000 lines: single-digit megabytes at depth complexity 1.
