@@ -239,7 +239,9 @@ std::optional<DualMesh::Claim> DualMesh::claimOf(std::uint32_t number, const Con
     const double beyond = std::max(0.0, std::fabs(place[a]) - 0.5);
     if (!(beyond < 1) || (beyond > 0 && beyond < kInset))
       return std::nullopt;  // too far; as good as in the cell
-    claim.target[static_cast<std::size_t>(a)] += place[a] < -0.5 ? -1 : place[a] > 0.5 ? 1 : 0;
+    int& target = claim.target[static_cast<std::size_t>(a)];
+    target += place[a] < -0.5 ? -1 : place[a] > 0.5 ? 1 : 0;
+    if (target < 0 || target > grid_.points()[static_cast<std::size_t>(a)] - 2) return std::nullopt;
     claim.distance += beyond * beyond;
   }
   const double size = length(outwards);
