@@ -199,7 +199,7 @@ TEST(DexelSlice, OfTheBallIsWhatItSaysItIs) {
 
 DexelOptions tiny() {
   DexelOptions options;
-  if (restroke::testing::kSanitized) options.points = 5000;
+  if (restroke::testing::kSanitized) options.points = 20'000;
   options = smokeSize(options);
   options.pictureSize = 64;
   return options;
@@ -235,7 +235,8 @@ void errorsFallWithResolution() {
       for (const int n : {8, 16}) {
         const DexelMeasured &coarse = measuredOf(source, representation, n),
                             &fine = measuredOf(source, representation, 2 * n);
-        EXPECT_LT(fine.wrongVolume, 0.8 * coarse.wrongVolume);
+        // The gallery is a plate some cells thick, which jumps by a cell; the points are random.
+        EXPECT_LT(fine.wrongVolume, 0.9 * coarse.wrongVolume);
         // One family need not come nearer: a side that runs along it stays bare.
         if (representation != Representation::OneFamily) {
           EXPECT_LT(fine.coverage.mean, 0.8 * coarse.coverage.mean);

@@ -80,7 +80,7 @@ void expectSides(const Dexels& dexels, const LineFamily& family, const Primitive
                  sideOf(list, Point(place - 1e-4 * normal)) != implicit::Side::Inside;
       }
     }
-  EXPECT_GT(asked, 500u);
+  EXPECT_GT(asked, restroke::testing::kSanitized ? 30u : 500u);
   EXPECT_LT(static_cast<double>(wrong), 0.02 * static_cast<double>(asked))
       << "edges, and slivers thinner than that";
 }
