@@ -9,8 +9,8 @@
 #include "experiments/provenance.h"
 #include "experiments/random.h"
 #include "experiments/retarget/summary.h"
-#include "implicit/process_memory.h"
 #include "implicit/errors.h"
+#include "implicit/process_memory.h"
 #include "implicit/ray_cast.h"
 #include "points/images/cpu_renderer.h"
 

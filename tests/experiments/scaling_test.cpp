@@ -12,9 +12,9 @@
 #include <set>
 
 #include "experiments/output.h"
-#include "implicit/process_memory.h"
 #include "experiments/scaling/report.h"
 #include "implicit/errors.h"
+#include "implicit/process_memory.h"
 #include "tests/experiments/folder.h"
 #include "tests/support/effort.h"
 
