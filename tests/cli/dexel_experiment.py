@@ -3,36 +3,19 @@
 import csv
 import json
 import os
-import shutil
-import subprocess
 import sys
-import tempfile
 import unittest
 
-RESTROKE = ""
+from experiment_case import ExperimentCase
 
 
-class DexelExperiment(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix="restroke-test-")
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
 
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def dexel(self, *arguments):
-        return subprocess.run([RESTROKE, "experiment", "dexel", *arguments], capture_output=True, text=True,
-                              stdin=subprocess.DEVNULL, check=False)
-
-    def refused(self, *arguments, says):
-        done = self.dexel(*arguments)
-        self.assertEqual(done.returncode, 2, done.stderr)
-        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-        self.assertIn(says, done.stderr)
+class DexelExperiment(ExperimentCase):
+    NAME = "dexel"
 
     def test_a_small_run_writes_tables_figures_and_a_report(self):
         out = self.path("out")
-        done = self.dexel("--smoke", "--out", out, "--json", "-", "--threads", "2")
+        done = self.run_experiment("--smoke", "--out", out, "--json", "-", "--threads", "2")
         self.assertEqual(done.returncode, 0, done.stderr)
         told = json.loads(done.stdout)
         with open(os.path.join(out, "results.csv"), newline="", encoding="utf-8") as file:
@@ -59,5 +42,5 @@ class DexelExperiment(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    RESTROKE = os.path.abspath(sys.argv.pop(1))
+    ExperimentCase.RESTROKE = os.path.abspath(sys.argv.pop(1))
     unittest.main(verbosity=2)

@@ -3,39 +3,22 @@
 import csv
 import json
 import os
-import shutil
-import subprocess
 import sys
-import tempfile
 import unittest
 
-RESTROKE = ""
+from experiment_case import ExperimentCase
+
 COLUMNS = ("sweep", "value", "primitives", "surfels", "met", "stamp_us_p50", "stamp_us_p99", "undo_ms_p50", "rebuild_1_ms",
            "rebuild_ms", "rays_per_s", "rays_per_s_prefix", "picture_ms", "bytes_per_primitive", "bytes_per_surfel",
            "peak_resident_bytes", "state_hash", "simd", "threads", "revision", "compiler", "options_hash", "seed")
 
 
-class Scaling(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix="restroke-test-")
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def scaling(self, *arguments):
-        return subprocess.run([RESTROKE, "experiment", "scaling", *arguments], capture_output=True, text=True,
-                              stdin=subprocess.DEVNULL, check=False)
-
-    def refused(self, *arguments, says):
-        done = self.scaling(*arguments)
-        self.assertEqual(done.returncode, 2, done.stderr)
-        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-        self.assertIn(says, done.stderr)
+class Scaling(ExperimentCase):
+    NAME = "scaling"
 
     def test_a_small_run_writes_tables_figures_and_a_report(self):
         out = self.path("out")
-        done = self.scaling("--smoke", "--out", out, "--json", "-", "--threads", "2")
+        done = self.run_experiment("--smoke", "--out", out, "--json", "-", "--threads", "2")
         self.assertEqual(done.returncode, 0, done.stderr)
         told = json.loads(done.stdout)
         with open(os.path.join(out, "results.csv"), newline="", encoding="utf-8") as file:
@@ -54,7 +37,7 @@ class Scaling(unittest.TestCase):
 
     def test_one_sweep_alone(self):
         out = self.path("out")
-        done = self.scaling("--smoke", "--out", out, "--sweep", "extent", "--most", "1000", "--json", "-")
+        done = self.run_experiment("--smoke", "--out", out, "--sweep", "extent", "--most", "1000", "--json", "-")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(json.loads(done.stdout)["rows"], 1)
 
@@ -75,5 +58,5 @@ class Scaling(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    RESTROKE = os.path.abspath(sys.argv.pop(1))
+    ExperimentCase.RESTROKE = os.path.abspath(sys.argv.pop(1))
     unittest.main(verbosity=2)

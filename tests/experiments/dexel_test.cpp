@@ -235,8 +235,8 @@ void errorsFallWithResolution() {
       for (const int n : {8, 16}) {
         const DexelMeasured &coarse = measuredOf(source, representation, n),
                             &fine = measuredOf(source, representation, 2 * n);
-        // The gallery is a plate some cells thick, which jumps by a cell; the points are random.
-        EXPECT_LT(fine.wrongVolume, 0.9 * coarse.wrongVolume);
+        // With the fewer random points of sanitized builds the gallery is close to this.
+        EXPECT_LT(fine.wrongVolume, (restroke::testing::kSanitized ? 0.9 : 0.8) * coarse.wrongVolume);
         // One family need not come nearer: a side that runs along it stays bare.
         if (representation != Representation::OneFamily) {
           EXPECT_LT(fine.coverage.mean, 0.8 * coarse.coverage.mean);
