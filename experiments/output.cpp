@@ -33,6 +33,12 @@ Json manifestHead(const Setup& setup, const Provenance& p) {
   return manifest;
 }
 
+void addInputs(Json& manifest, std::span<const std::pair<std::string, std::string>> inputs) {
+  manifest["hash"] = "XXH3, 64 bit";
+  manifest["inputs"] = Json::array();
+  for (const auto& [file, hash] : inputs) manifest["inputs"].push_back({{"file", file}, {"hash", hash}});
+}
+
 std::string csvOf(const Json& rows) {
   std::string text;
   if (rows.empty()) return text;

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "experiments/provenance.h"
@@ -30,6 +31,21 @@ struct Setup {
 
 /// experiment, the columns of originOf, flags, cpu, processors, system: what every manifest begins with.
 [[nodiscard]] Json manifestHead(const Setup& setup, const Provenance& p);
+
+/// Adds to a manifest the files that were read, each with its hash.
+void addInputs(Json& manifest, std::span<const std::pair<std::string, std::string>> inputs);
+
+/// A row for each item, as `rowOf` makes it, with the columns of `origin` behind.
+template <class Items, class F>
+[[nodiscard]] Json rowsOf(const Items& items, const Json& origin, const F& rowOf) {
+  Json rows = Json::array();
+  for (const auto& item : items) {
+    Json row = rowOf(item);
+    row.update(origin);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
 
 /// An array of flat objects with the same keys as a table with a head; empty without rows. Null is an empty
 /// field.

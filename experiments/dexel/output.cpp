@@ -62,10 +62,7 @@ Json manifestOf(const DexelResults& results, const DexelOptions& options, const 
       {"resolutions", options.resolutions},         {"points", options.points},
       {"samples_per_cell", options.samplesPerCell}, {"picture_resolution", options.pictureResolution},
       {"picture_size", options.pictureSize},        {"smoke", options.smoke}};
-  manifest["hash"] = "XXH3, 64 bit";
-  manifest["inputs"] = Json::array();
-  for (const auto& [file, hash] : results.inputs)
-    manifest["inputs"].push_back({{"file", file}, {"hash", hash}});
+  addInputs(manifest, results.inputs);
   manifest["claims"] = jsonOf(claims(results));
   return manifest;
 }
@@ -77,13 +74,8 @@ std::vector<std::string> writeDexels(const DexelResults& results, const DexelOpt
   ResultFolder folder(out);
   const Setup setup{.experiment = "dexel", .options = describe(options), .seed = options.seed};
   const Provenance p = provenance();
-  const Json origin = originOf(setup, p);
-  Json rows = Json::array();
-  for (const DexelRow& each : results.rows) {
-    Json row = rowOf(each, options);
-    row.update(origin);
-    rows.push_back(std::move(row));
-  }
+  const Json rows =
+      rowsOf(results.rows, originOf(setup, p), [&](const DexelRow& row) { return rowOf(row, options); });
   folder.write("results.csv", csvOf(rows));
   folder.write("results.json", rowsText(setup, rows));
   folder.write("manifest.json", manifestOf(results, options, setup, p).dump(1) + "\n");

@@ -85,17 +85,6 @@ Json rowOf(const EditSummary& s) {
           {"fell_back", s.fellBack}};
 }
 
-template <class Things, class RowOf>
-Json rowsOf(const Things& things, const Json& origin, const RowOf& rowOf) {
-  Json rows = Json::array();
-  for (const auto& each : things) {
-    Json row = rowOf(each);
-    row.update(origin);
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
 Json manifestOf(const RetargetResults& results, const RetargetOptions& options, const Setup& setup,
                 const Provenance& p) {
   Json manifest = manifestHead(setup, p);
@@ -109,10 +98,7 @@ Json manifestOf(const RetargetResults& results, const RetargetOptions& options, 
                          {"picture_size", options.pictureSize},
                          {"opengl", options.openGl},
                          {"smoke", options.smoke}};
-  manifest["hash"] = "XXH3, 64 bit";
-  manifest["inputs"] = Json::array();
-  for (const auto& [file, hash] : results.inputs)
-    manifest["inputs"].push_back({{"file", file}, {"hash", hash}});
+  addInputs(manifest, results.inputs);
   manifest["methods"] = Json::array();
   for (const retarget::Method method : results.methods)
     manifest["methods"].push_back(retarget::nameOf(method));

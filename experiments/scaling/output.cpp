@@ -76,10 +76,7 @@ Json manifestOf(const ScalingResults& results, const ScalingOptions& options, co
                          {"patience", options.measure.patience},
                          {"picture", {options.measure.width, options.measure.height}},
                          {"smoke", options.smoke}};
-  manifest["hash"] = "XXH3, 64 bit";
-  manifest["inputs"] = Json::array();
-  for (const auto& [file, hash] : results.inputs)
-    manifest["inputs"].push_back({{"file", file}, {"hash", hash}});
+  addInputs(manifest, results.inputs);
   manifest["claims"] = jsonOf(claims(results));
   manifest["notes"] = results.notes;
   return manifest;
@@ -92,13 +89,8 @@ std::vector<std::string> writeScaling(const ScalingResults& results, const Scali
   ResultFolder folder(out);
   const Setup setup{.experiment = "scaling", .options = describe(options), .seed = options.seed};
   const Provenance p = provenance();
-  const Json origin = originOf(setup, p);
-  Json rows = Json::array();
-  for (const ScalingRow& each : results.rows) {
-    Json row = rowOf(each, results);
-    row.update(origin);
-    rows.push_back(std::move(row));
-  }
+  const Json rows =
+      rowsOf(results.rows, originOf(setup, p), [&](const ScalingRow& row) { return rowOf(row, results); });
   folder.write("results.csv", csvOf(rows));
   folder.write("results.json", rowsText(setup, rows));
   folder.write("manifest.json", manifestOf(results, options, setup, p).dump(1) + "\n");
