@@ -46,45 +46,13 @@
 // many ends as this line are looked at: expected is L + A - B (modulo 2^32) of their ends k where there are
 // all three, else L, else A, else the number of the end before it on the line, else 0.
 
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <variant>
-#include <vector>
 
-#include "implicit/geometry/triangle_mesh.h"
-#include "implicit/primitive.h"
-#include "points/dexel/tool_pose.h"
-#include "points/dexel/tri_dexel.h"
+#include "points/dexel/dexel_document.h"
 
 namespace restroke::points {
-
-/// What a tri-dexel is and how it came about. `operations[i]` was applied as OperationId{i + 1}; 0 is the
-/// initial solid.
-struct TriDexelDocument {
-  /// Nothing, a mesh, or signed primitives.
-  std::variant<std::monostate, TriangleMesh, std::vector<implicit::Primitive>> initial;
-  /// Meshes that operations use.
-  std::vector<TriangleMesh> tools;
-
-  /// A tool mesh in a pose.
-  struct PosedTool {
-    std::uint32_t tool = 0;  ///< index in `tools`
-    /// From the tool's coordinates to the model's: 4 x 4, row by row, finite.
-    PoseMatrix pose = kIdentityPose;
-    bool operator==(const PosedTool&) const = default;
-  };
-  struct Operation {
-    DexelOperation operation = DexelOperation::Subtraction;
-    std::variant<implicit::Shape, PosedTool> tool;
-    bool operator==(const Operation&) const = default;
-  };
-  std::vector<Operation> operations;
-
-  TriDexel model;
-};
 
 /// Writes the file beside its final name and renames it. Throws InputError that names the file when it cannot
 /// be written, or the document holds what the format cannot: a tool, vertex or operation that is not there,
