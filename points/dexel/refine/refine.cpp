@@ -71,13 +71,7 @@ void refuse(const TriDexel& model, RefineMethod method) {
       throw InputError(fmt::format(
           "the model's ends do not say which operations made them; they must for the method \"{}\"",
           nameOf(method)));
-    const bool keepsHistory = [](const auto& d) {
-      if constexpr (requires { d.keepsHistory(); })
-        return d.keepsHistory();
-      else
-        return false;
-    }(model.family(axis));
-    if (method == RefineMethod::Touching && !keepsHistory)
+    if (method == RefineMethod::Touching && !model.family(axis).keepsHistory())
       throw InputError(
           "the model's lines do not keep which operations changed them; they must for the method "
           "\"touching\"");
