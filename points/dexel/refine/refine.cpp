@@ -221,6 +221,18 @@ std::optional<double> RefinedModel::volume() const {
   return sum / static_cast<double>(families.size());
 }
 
+TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
+  RESTROKE_CHECK_EQ(refined.families.size(), 3u);
+  TriDexel out(grid.grid);
+  for (int axis = 0; axis < 3; ++axis) {
+    Dexels& dexels = refined.families[static_cast<std::size_t>(axis)].dexels;
+    RESTROKE_CHECK_EQ(
+        dexels.width() == out.family(axis).width() && dexels.height() == out.family(axis).height(), true);
+    out.family(axis) = std::move(dexels);
+  }
+  return out;
+}
+
 RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
                     const std::vector<LineFamily>& lines, const RefineOptions& options,
                     const Execution& execution) {
