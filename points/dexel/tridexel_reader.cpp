@@ -135,6 +135,14 @@ class BodyReader {
     }
   }
 
+  template <class T>
+  void requireValid(const T& thing) const {
+    (void)placed([&] {
+      validate(thing);
+      return 0;
+    });
+  }
+
   [[nodiscard]] std::shared_ptr<const Volume> getVolume() {
     const std::string_view name = in_.take(in_.get<std::uint8_t>("the name of a kind"), "the name of a kind");
     const implicit::VolumeKind& kind =
@@ -178,10 +186,7 @@ class BodyReader {
     if (sort == 0) {
       const Point center = getPoint("the centre of a ball");
       const Shape shape(center, getFinite("the radius of a ball"));
-      (void)placed([&] {
-        validate(Primitive{shape});
-        return 0;
-      });
+      requireValid(Primitive{shape});
       return shape;
     }
     const auto number = in_.get<std::uint32_t>("the number of a volume");
@@ -228,31 +233,8 @@ class BodyReader {
     for (double* number : {&cutter.radius, &cutter.length, &cutter.cornerRadius})
       *number = getFiniteDouble("a cutter");
     for (double& number : cutter.orientation) number = getFiniteDouble("a cutter");
-    refuseBadCutter(cutter);
+    requireValid(cutter);
     return cutter;
-  }
-
-  void refuseBadCutter(const Cutter& cutter) const {
-    const bool isBall = cutter.kind == Cutter::Kind::Ball, isBullNose = cutter.kind == Cutter::Kind::BullNose;
-    if (!(cutter.radius > 0) || !(cutter.length > 0) || (isBall && cutter.length < cutter.radius))
-      in_.refuse(
-          fmt::format("a cutter has the radius {} and the length {}; both must be greater than 0, and a "
-                      "ball be as long as its radius",
-                      cutter.radius, cutter.length));
-    const double corner = cutter.cornerRadius;
-    if (isBullNose ? !(corner > 0 && corner < cutter.radius && corner <= cutter.length) : corner != 0)
-      in_.refuse(
-          fmt::format("a cutter has the corner radius {}; of a bull nose it must be between 0 and the "
-                      "radius and no more than the length, else 0",
-                      corner));
-    const auto& o = cutter.orientation;
-    const double length = std::sqrt(o[0] * o[0] + o[3] * o[3] + o[6] * o[6]);
-    if (!(std::fabs(length - 1) <= kPoseTolerance))
-      in_.refuse(fmt::format("the axes of a cutter have the length {}; it must be 1", length));
-    (void)placed([&] {
-      checkPose({o[0], o[1], o[2], 0, o[3], o[4], o[5], 0, o[6], o[7], o[8], 0, 0, 0, 0, 1});
-      return 0;
-    });
   }
 
   [[nodiscard]] CutterMove getMove(std::size_t cutters) {
@@ -267,6 +249,7 @@ class BodyReader {
     if (axis > 2) in_.refuse(fmt::format("an arc turns about axis {}; it must be 0, 1 or 2", axis));
     element.axis = axis;
     element.clockwise = getFlag("the sense of an arc");
+    requireValid(element);
     return move;
   }
 

@@ -164,17 +164,17 @@ TEST(TriDexelFileOfVersion2, EveryRuleForCuttersIsKept) {
     return [=](TriDexelDocument& document) { change(document.cutters[i]); };
   };
   expectRefused(cutter(0, [](Cutter& c) { c.kind = static_cast<Cutter::Kind>(3); }), "of kind 3");
-  expectRefused(cutter(0, [](Cutter& c) { c.radius = 0; }), "greater than 0");
+  expectRefused(cutter(0, [](Cutter& c) { c.radius = 0; }), "radius 0");
   expectRefused(cutter(0, [](Cutter& c) { c.radius = -1; }), "greater than 0");
   expectRefused(cutter(0, [](Cutter& c) { c.length = 0; }), "greater than 0");
-  expectRefused(cutter(1, [](Cutter& c) { c.length = c.radius / 2; }), "as long as its radius");
+  expectRefused(cutter(1, [](Cutter& c) { c.length = c.radius / 2; }), "at least as long");
   expectRefused(cutter(0, [](Cutter& c) { c.cornerRadius = 0.01; }), "corner radius 0.01");
   expectRefused(cutter(2, [](Cutter& c) { c.cornerRadius = 0; }), "corner radius 0");
   expectRefused(cutter(2, [](Cutter& c) { c.cornerRadius = c.radius; }), "corner radius");
   expectRefused(cutter(2, [](Cutter& c) { c.length = c.cornerRadius / 2; }), "corner radius");
-  expectRefused(cutter(0, [](Cutter& c) { c.orientation = {2, 0, 0, 0, 2, 0, 0, 0, 2}; }), "length 2");
-  expectRefused(cutter(0, [](Cutter& c) { c.orientation[1] = 0.5; }), "");
-  expectRefused(cutter(0, [](Cutter& c) { c.orientation = {1, 0, 0, 0, 1, 0, 0, 0, -1}; }), "");
+  expectRefused(cutter(0, [](Cutter& c) { c.orientation = {2, 0, 0, 0, 2, 0, 0, 0, 2}; }), "scales by 2");
+  expectRefused(cutter(0, [](Cutter& c) { c.orientation[1] = 0.5; }), "no rotation");
+  expectRefused(cutter(0, [](Cutter& c) { c.orientation = {1, 0, 0, 0, 1, 0, 0, 0, -1}; }), "no rotation");
 }
 
 // What the writer refuses, made in the bytes of a body: the first place with `from` gets `to`.
@@ -200,6 +200,7 @@ TEST(TriDexelFileOfVersion2, NumbersOfCuttersElementsRunsAndHistoriesAreChecked)
   };
   has(refusalWith(document, packed(0.375), packed(kNan)), "a cutter has the number nan");
   has(refusalWith(document, packed(10.0), packed(HUGE_VAL)), "an element of a path has the number inf");
+  has(refusalWith(document, packed(10.0), packed(1e300)), "the coordinate 1e+300");
   const char subtraction = 1, moves = 3;
   has(refusalWith(document, packed(subtraction, moves, 2u), packed(subtraction, moves, 3u)),
       "uses cutter 3 of 3");
