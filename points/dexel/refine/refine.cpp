@@ -130,7 +130,7 @@ class Refinement {
         return referencesIn(model, zone_.widened(options_.widening * model.grid().cell()),
                             EndReferences::Both, history_.idCount());
       case RefineMethod::Touching: {
-        std::vector<OperationId> ids = changesIn(model, zone_, history_);
+        std::vector<OperationId> ids = changesIn(document_, zone_, history_);
         if (ids.empty() || ids.front() != OperationId::Initial) ids.insert(ids.begin(), OperationId::Initial);
         return ids;
       }
