@@ -15,6 +15,7 @@
 #include "implicit/errors.h"
 #include "implicit/geometry/disjoint_sets.h"
 #include "implicit/geometry/exact_predicates.h"
+#include "implicit/geometry/mesh_crossings.h"
 #include "implicit/geometry/mesh_faults.h"
 #include "implicit/geometry/triangle_tree.h"
 #include "implicit/sampling/poisson.h"
@@ -110,27 +111,16 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
   [[nodiscard]] DVec3 outwardNormal(DVec3 p) const override {
     return normals_[nearest(p, std::numeric_limits<double>::max()).triangle];
   }
-  /// Which triangles the ray passes through is decided by the signs of edges seen along the ray, in double
-  /// and the same for both triangles of an edge (Woop, Benthin, Wald, "Watertight ray/triangle intersection",
-  /// Journal of Computer Graphics Techniques 2, 2013), ties as if the ray were moved aside by less than any
-  /// number. Ends are exact to a few units in the last place of the coordinates.
+  /// As geometry/mesh_crossings.h: ends are exact to a few units in the last place of the coordinates.
   void intersect(const Ray& ray, std::vector<RayInterval>& intervals) const override {
-    std::vector<double> crossings;
-    DVec3 origin = ray.origin;
-    for (int attempt = 0; attempt < 8; ++attempt) {
-      crossings.clear();
-      collect({origin, ray.direction}, crossings);
-      if (crossings.size() % 2 == 0) break;
-      // Rounding put an edge on different sides of the ray: a ray beside it.
-      const double aside = measures().radius * 0x1p-44 * (attempt + 1);
-      origin = ray.origin + DVec3(aside, -0.7 * aside, 0.4 * aside);
-    }
-    std::sort(crossings.begin(), crossings.end());
+    std::vector<RayCrossing> crossings;
+    findCrossings({mesh_, tree_, measures().radius}, ray, crossings);
     for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-      if (!intervals.empty() && i > 0 && crossings[i] <= intervals.back().exit)
-        intervals.back().exit = crossings[i + 1];  // it only passed from one piece to the next
-      else if (crossings[i] < crossings[i + 1])
-        intervals.push_back({crossings[i], crossings[i + 1]});
+      const double enter = crossings[i].t, exit = crossings[i + 1].t;
+      if (!intervals.empty() && i > 0 && enter <= intervals.back().exit)
+        intervals.back().exit = exit;  // it only passed from one piece to the next
+      else if (enter < exit)
+        intervals.push_back({enter, exit});
     }
   }
   [[nodiscard]] double support(DVec3 direction) const override {
@@ -280,70 +270,6 @@ class MeshVolume final : public VolumeOf<MeshVolume> {
   }
   [[nodiscard]] double distanceWithin(DVec3 p, double most) const {
     return std::sqrt(nearest(p, most).squared);
-  }
-
-  void collect(const Ray& ray, std::vector<double>& crossings) const {
-    // The ray's frame: its greatest direction becomes z, and x and y are sheared so that the ray is the z
-    // axis.
-    const DVec3 size(std::fabs(ray.direction.x), std::fabs(ray.direction.y), std::fabs(ray.direction.z));
-    const int kz = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const int kx = (kz + 1) % 3, ky = (kz + 2) % 3;
-    const double sx = ray.direction[kx] / ray.direction[kz], sy = ray.direction[ky] / ray.direction[kz],
-                 sz = 1 / ray.direction[kz];
-    struct Seen {
-      double x, y, z;
-    };
-    const auto seen = [&](Point v) {
-      const DVec3 d = DVec3(v) - ray.origin;
-      return Seen{d[kx] - sx * d[kz], d[ky] - sy * d[kz], sz * d[kz]};
-    };
-    // Which side of the edge the ray passes; when it passes through, as if it were moved by (e, e^2).
-    const auto sideOf = [](const Seen& a, const Seen& b) {
-      const double area = a.x * b.y - a.y * b.x;
-      if (area != 0) return area > 0 ? 1 : -1;
-      if (a.y != b.y) return a.y < b.y ? 1 : -1;
-      return a.x == b.x ? 0 : a.x > b.x ? 1 : -1;
-    };
-    const double pad = measures().radius * 1e-9;
-    const auto misses = [&](const Box& box) {
-      double enter = -std::numeric_limits<double>::max(), exit = -enter;
-      for (int a = 0; a < 3; ++a) {
-        const double lo = static_cast<double>(box.min[a]) - pad, hi = static_cast<double>(box.max[a]) + pad;
-        const double o = ray.origin[a], d = ray.direction[a];
-        if (d == 0) {
-          if (o < lo || o > hi) return true;
-          continue;
-        }
-        const double t0 = (lo - o) / d, t1 = (hi - o) / d;
-        enter = std::max(enter, std::min(t0, t1));
-        exit = std::min(exit, std::max(t0, t1));
-      }
-      return !(enter <= exit + 1e-9 * std::fabs(exit));
-    };
-    const auto nodes = tree_.nodes();
-    std::array<std::uint32_t, 128> stack;
-    std::size_t depth = 0;
-    stack[depth++] = 0;
-    while (depth > 0) {
-      const std::uint32_t n = stack[--depth];
-      const TriangleTree::Node& node = nodes[n];
-      if (misses(node.box)) continue;
-      if (node.right != 0) {
-        stack[depth++] = node.right;
-        stack[depth++] = n + 1;
-        continue;
-      }
-      for (const std::uint32_t t : tree_.order().subspan(node.first, node.count)) {
-        const auto& v = mesh_.triangles[t];
-        const Seen a = seen(mesh_.vertices[v[0]]), b = seen(mesh_.vertices[v[1]]),
-                   c = seen(mesh_.vertices[v[2]]);
-        const int side = sideOf(a, b);
-        if (side == 0 || sideOf(b, c) != side || sideOf(c, a) != side) continue;
-        const double u = b.x * c.y - b.y * c.x, w = c.x * a.y - c.y * a.x, q = a.x * b.y - a.y * b.x;
-        const double sum = u + w + q;
-        crossings.push_back(sum != 0 ? (u * a.z + w * b.z + q * c.z) / sum : (a.z + b.z + c.z) / 3);
-      }
-    }
   }
 
   // Regions of triangles that meet smoothly, numbered from 0.

@@ -7,13 +7,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <vector>
 
 #include "implicit/errors.h"
 #include "implicit/parallel.h"
-#include "points/dexel/simd/span_kernels.h"
+#include "points/dexel/line_changes.h"
 
 namespace restroke::points {
 
@@ -29,8 +28,9 @@ constexpr double kFewLines = 20'000;
 // Rows that one thread works on at a time: what they hold stays in its cache while primitives pass over them.
 constexpr int kBand = 8;
 
-constexpr std::size_t kLanes = SpanKernels::kLanes;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr std::size_t kLanes = LineChanges::kLanes;
+constexpr float kInfinity = LineChanges::kInfinity;
+constexpr std::uint32_t kNoMore = Dexels::kNoMore;
 
 // One family's rows under a sequence of operations.
 class FamilyRows {
@@ -41,12 +41,12 @@ class FamilyRows {
         axis_(axis),
         u_((axis + 1) % 3),
         v_((axis + 2) % 3),
-        dexels_(dexels),
-        hulls_(dexels.hulls()),
+        lines_(dexels),
         columns_(columns),
         perCell_(1 / grid.cell()) {}
 
-  [[nodiscard]] int height() const { return dexels_.height(); }
+  [[nodiscard]] Dexels& dexels() const { return lines_.dexels(); }
+  [[nodiscard]] int height() const { return dexels().height(); }
 
   using Range = DexelGrid::Range;
   [[nodiscard]] Range rowsOf(const Box& box) const { return grid_.pointsIn(v_, box); }
@@ -62,15 +62,14 @@ class FamilyRows {
   // Against the same lines of another solid.
   void apply(const Dexels& other, DexelOperation operation, OperationId id, int row) {
     const Dexels::ConstHulls tool = other.hulls();
-    const std::size_t begin = dexels_.lineAt(0, row), end = begin + static_cast<std::size_t>(dexels_.width());
+    const std::size_t begin = dexels().lineAt(0, row),
+                      end = begin + static_cast<std::size_t>(dexels().width());
     LineEnds toolEnds;
     for (std::size_t line = begin; line < end; line += kLanes) {
       const std::size_t count = std::min(kLanes, end - line);
-      for (std::uint64_t bits =
-               changed(operation, line, tool.enter + line, tool.exit + line, tool.more + line, count);
-           bits != 0; bits &= bits - 1) {
+      for (std::uint64_t bits = changed(operation, line, tool, count); bits != 0; bits &= bits - 1) {
         const std::size_t at = line + static_cast<std::size_t>(std::countr_zero(bits));
-        if (tool.more[at] != Dexels::kNoMore) {
+        if (tool.more[at] != kNoMore) {
           other.read(at, toolEnds);
           applyEnds(at, toolEnds, operation, id);
           continue;
@@ -87,7 +86,7 @@ class FamilyRows {
     if (operation != DexelOperation::Intersection) {
       const bool fills = operation == DexelOperation::Union;
       for (std::size_t i = 0; i < tool.size(); i += 2)
-        applySpan(line, {tool[i].depth, tool[i + 1].depth, fills, id}, [&](bool exit) {
+        lines_.apply(line, {tool[i].depth, tool[i + 1].depth, fills, id}, [&](bool exit) {
           const PackedNormal own = tool[exit ? i + 1 : i].normal & ~kPackedFlag;
           return fills ? own : turnedAround(own);
         });
@@ -98,36 +97,28 @@ class FamilyRows {
       const float from = i == 0 ? -kInfinity : tool[i - 1].depth,
                   to = i == tool.size() ? kInfinity : tool[i].depth;
       // At infinity there is no end, and no normal.
-      applySpan(line, {from, to, false, id}, [&](bool exit) -> PackedNormal {
+      lines_.apply(line, {from, to, false, id}, [&](bool exit) -> PackedNormal {
         if (i == (exit ? tool.size() : 0)) return 0;
         return tool[exit ? i : i - 1].normal & ~kPackedFlag;
       });
     }
   }
 
-  [[nodiscard]] std::uint64_t changed(DexelOperation operation, std::size_t line, const float* toolEnter,
-                                      const float* toolExit, const std::uint32_t* toolMore,
-                                      std::size_t count) const {
-    const SpanLanes lanes{hulls_.enter + line, hulls_.exit + line, hulls_.more + line, toolEnter, toolExit};
+  [[nodiscard]] std::uint64_t changed(DexelOperation operation, std::size_t line,
+                                      const Dexels::ConstHulls& tool, std::size_t count) const {
     std::uint64_t bits = 0;
-    switch (operation) {
-      case DexelOperation::Union:
-        bits = kernels_.changedByUnion(lanes, count);
-        break;
-      case DexelOperation::Subtraction:
-        bits = kernels_.changedBySubtraction(lanes, count);
-        break;
-      case DexelOperation::Intersection:
-        for (std::size_t i = 0; i < count; ++i)
-          if (lanes.enter[i] <= lanes.exit[i] &&
-              !(toolEnter[i] <= lanes.enter[i] && toolExit[i] >= lanes.exit[i] &&
-                lanes.more[i] == Dexels::kNoMore))
-            bits |= std::uint64_t{1} << i;
-        break;
+    if (operation != DexelOperation::Intersection) {
+      bits = lines_.changed(operation == DexelOperation::Union, line, tool.enter + line, tool.exit + line,
+                            count);
+    } else {
+      const Dexels::Hulls& own = lines_.hulls();
+      for (std::size_t i = 0, at = line; i < count; ++i, ++at)
+        if (own.enter[at] <= own.exit[at] &&
+            !(tool.enter[at] <= own.enter[at] && tool.exit[at] >= own.exit[at] && own.more[at] == kNoMore))
+          bits |= std::uint64_t{1} << i;
     }
-    if (toolMore)
-      for (std::size_t i = 0; i < count; ++i)
-        if (toolMore[i] != Dexels::kNoMore) bits |= std::uint64_t{1} << i;
+    for (std::size_t i = 0; i < count; ++i)
+      if (tool.more[line + i] != kNoMore) bits |= std::uint64_t{1} << i;
     return bits;
   }
 
@@ -144,6 +135,7 @@ class FamilyRows {
     const double r = static_cast<double>(ball.radius), cu = static_cast<double>(ball.center[u_]),
                  cv = static_cast<double>(ball.center[v_]), cz = static_cast<double>(ball.center[axis_]);
     const float side = sign == Sign::Positive ? 1.0f : -1.0f;
+    const Dexels::Hulls& hulls = lines_.hulls();
     std::array<BallSegment, kSegments> segments;
     std::size_t n = 0;
     for (int v = rows.begin; v < rows.end; ++v) {
@@ -154,10 +146,10 @@ class FamilyRows {
       for (int u = begin; u < end; u += static_cast<int>(kLanes)) {
         const std::size_t count = std::min(kLanes, static_cast<std::size_t>(end - u));
         segments[n++] = {{cu, cz, square, static_cast<float>(dv), side, axis_}, v, u, count, 0};
-        const std::size_t line = dexels_.lineAt(u, v);
-        fetch(hulls_.enter + line, count);
-        fetch(hulls_.exit + line, count);
-        fetch(hulls_.more + line, count);
+        const std::size_t line = dexels().lineAt(u, v);
+        fetch(hulls.enter + line, count);
+        fetch(hulls.exit + line, count);
+        fetch(hulls.more + line, count);
         if (n == kSegments) {
           applySegments({segments.data(), n}, sign, id);
           n = 0;
@@ -170,10 +162,10 @@ class FamilyRows {
   // DexelGrid::firstFrom of the columns, from the coordinates at hand.
   [[nodiscard]] int firstColumnFrom(double coordinate) const {
     const double guess = std::ceil((coordinate - static_cast<double>(columns_[0])) * perCell_);
-    int i = static_cast<int>(std::clamp(guess, 0.0, static_cast<double>(dexels_.width())));
+    int i = static_cast<int>(std::clamp(guess, 0.0, static_cast<double>(dexels().width())));
     const auto at = [&](int k) { return static_cast<double>(columns_[static_cast<std::size_t>(k)]); };
     while (i > 0 && at(i - 1) >= coordinate) --i;
-    while (i < dexels_.width() && at(i) < coordinate) ++i;
+    while (i < dexels().width() && at(i) < coordinate) ++i;
     return i;
   }
 
@@ -187,96 +179,35 @@ class FamilyRows {
 
   void applySegments(std::span<BallSegment> segments, Sign sign, OperationId id) {
     const bool fills = sign == Sign::Positive;
-    const DexelOperation operation = fills ? DexelOperation::Union : DexelOperation::Subtraction;
+    const Dexels::Hulls& hulls = lines_.hulls();
     std::array<BallLanes, kSegments> lanes;
     for (std::size_t k = 0; k < segments.size(); ++k) {
       BallSegment& s = segments[k];
-      const std::size_t line = dexels_.lineAt(s.begin, s.row);
-      kernels_.ballRow(s.ball, columns_.data() + s.begin, s.count, lanes[k]);
-      s.changed = changed(operation, line, lanes[k].enter, lanes[k].exit, nullptr, s.count);
+      const std::size_t line = dexels().lineAt(s.begin, s.row);
+      lines_.kernels().ballRow(s.ball, columns_.data() + s.begin, s.count, lanes[k]);
+      s.changed = lines_.changed(fills, line, lanes[k].enter, lanes[k].exit, s.count);
       if (s.changed == 0) continue;
       const auto from = static_cast<std::size_t>(std::countr_zero(s.changed)),
                  to = static_cast<std::size_t>(64 - std::countl_zero(s.changed));
-      fetch(hulls_.enterNormal + line + from, to - from);
-      fetch(hulls_.exitNormal + line + from, to - from);
-      if (hulls_.enterInner)
-        for (const OperationId* of :
-             {hulls_.enterInner, hulls_.enterOuter, hulls_.exitInner, hulls_.exitOuter})
+      fetch(hulls.enterNormal + line + from, to - from);
+      fetch(hulls.exitNormal + line + from, to - from);
+      if (hulls.enterInner)
+        for (const OperationId* of : {hulls.enterInner, hulls.enterOuter, hulls.exitInner, hulls.exitOuter})
           fetch(of + line + from, to - from);
       for (std::uint64_t bits = s.changed; bits != 0; bits &= bits - 1)
-        dexels_.fetchMore(line + static_cast<std::size_t>(std::countr_zero(bits)));
+        dexels().fetchMore(line + static_cast<std::size_t>(std::countr_zero(bits)));
     }
     for (std::size_t k = 0; k < segments.size(); ++k) {
       const BallSegment& s = segments[k];
-      const std::size_t line = dexels_.lineAt(s.begin, s.row);
+      const std::size_t line = dexels().lineAt(s.begin, s.row);
       for (std::uint64_t bits = s.changed; bits != 0; bits &= bits - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(bits));
         const auto normalAt = [&](bool exit) {
           return (exit ? lanes[k].exitNormal : lanes[k].enterNormal)[i];
         };
-        applySpan(line + i, {lanes[k].enter[i], lanes[k].exit[i], fills, id}, normalAt);
+        lines_.apply(line + i, {lanes[k].enter[i], lanes[k].exit[i], fills, id}, normalAt);
       }
     }
-  }
-
-  // One span, with the normals that the solid gets at its ends: `normalAt(exit)` makes one when it is needed.
-  struct Stretch {
-    float enter, exit;
-    bool fills;
-    OperationId id;
-  };
-  template <class F>
-  void applySpan(std::size_t line, const Stretch& s, const F& normalAt) {
-    if (!dexels_.hasMore(line) && (s.fills ? fillOne(line, s, normalAt) : clearOne(line, s, normalAt)))
-      return;
-    dexels_.change(line, {s.enter, s.exit, normalAt(false), normalAt(true)}, s.fills, s.id);
-  }
-
-  // What most lines need, without the way through a list of ends: a span is shortened or goes, or is made
-  // longer. False: nothing was done.
-  template <class F>
-  bool clearOne(std::size_t line, const Stretch& span, const F& normalAt) {
-    float &enter = hulls_.enter[line], &exit = hulls_.exit[line];
-    if (!(span.enter < exit && span.exit > enter)) return true;
-    if (span.enter <= enter) {
-      if (span.exit >= exit) {
-        enter = kInfinity;
-        exit = -kInfinity;
-        return true;
-      }
-      if (hulls_.enterInner) {
-        if (exit - span.exit < span.exit - enter) hulls_.enterInner[line] = hulls_.exitInner[line];
-        hulls_.enterOuter[line] = span.id;
-      }
-      enter = span.exit;
-      hulls_.enterNormal[line] = normalAt(true) | kPackedFlag;
-      return true;
-    }
-    if (span.exit < exit) return false;  // it splits
-    if (hulls_.enterInner) {
-      if (!(exit - span.enter < span.enter - enter)) hulls_.exitInner[line] = hulls_.enterInner[line];
-      hulls_.exitOuter[line] = span.id;
-    }
-    exit = span.enter;
-    hulls_.exitNormal[line] = normalAt(false) | kPackedFlag;
-    return true;
-  }
-
-  template <class F>
-  bool fillOne(std::size_t line, const Stretch& span, const F& normalAt) {
-    float &enter = hulls_.enter[line], &exit = hulls_.exit[line];
-    if (dexels_.isEmpty(line) || span.enter > exit || span.exit < enter) return false;
-    if (span.enter < enter) {
-      enter = span.enter;
-      hulls_.enterNormal[line] = normalAt(false) | kPackedFlag;
-      if (hulls_.enterInner) hulls_.enterInner[line] = span.id;
-    }
-    if (span.exit > exit) {
-      exit = span.exit;
-      hulls_.exitNormal[line] = normalAt(true) | kPackedFlag;
-      if (hulls_.enterInner) hulls_.exitInner[line] = span.id;
-    }
-    return true;
   }
 
   void applyVolume(const implicit::PosedVolume& volume, Sign sign, OperationId id, Range rows) {
@@ -298,16 +229,14 @@ class FamilyRows {
             return packNormal(Vec3(fills ? n : -n));
           };
           const auto enter = static_cast<float>(in.enter), exit = static_cast<float>(in.exit);
-          if (enter < exit) applySpan(dexels_.lineAt(u, v), {enter, exit, fills, id}, normalAt);
+          if (enter < exit) lines_.apply(dexels().lineAt(u, v), {enter, exit, fills, id}, normalAt);
         }
       }
   }
 
   const DexelGrid& grid_;
   int axis_, u_, v_;
-  Dexels& dexels_;
-  Dexels::Hulls hulls_;
-  const SpanKernels& kernels_ = spanKernels();
+  LineChanges lines_;
   std::span<const float> columns_;
   double perCell_;
 };
@@ -391,8 +320,9 @@ void TriDexel::growTo(const Box& bounds) {
   if (grown == grid_) return;
   LineEnds ends;
   for (int axis = 0; axis < 3; ++axis) {
-    const Dexels old = std::move(family(axis));
-    Dexels& fresh = family(axis) = Dexels(grown.width(axis), grown.height(axis), {old.keepsOperations()});
+    Dexels old = std::move(family(axis));
+    Dexels& fresh = family(axis) =
+        Dexels(grown.width(axis), grown.height(axis), {old.keepsOperations(), old.keepsHistory()});
     const int right = before[static_cast<std::size_t>((axis + 1) % 3)],
               down = before[static_cast<std::size_t>((axis + 2) % 3)];
     for (int row = 0; row < old.height(); ++row)
@@ -400,6 +330,7 @@ void TriDexel::growTo(const Box& bounds) {
         old.read(old.lineAt(column, row), ends);
         if (!ends.empty()) fresh.write(fresh.lineAt(column + right, row + down), ends);
       }
+    if (old.keepsHistory()) fresh.takeHistory(old, right, down);
   }
   grid_ = grown;
   findCoordinates();
@@ -459,6 +390,15 @@ std::size_t TriDexel::bytes() const {
   return bytes;
 }
 
+TriDexel::HistorySize TriDexel::historySize() const {
+  HistorySize size;
+  for (const Dexels& dexels : families_) {
+    size.entries += dexels.histories().entryCount();
+    size.bytes += dexels.histories().bytes();
+  }
+  return size;
+}
+
 std::uint64_t TriDexel::stateHash() const {
   // What is hashed as it lies in memory has no gaps.
   struct Key {
@@ -488,13 +428,13 @@ std::uint64_t TriDexel::stateHash() const {
   return XXH3_64bits_digest(state.get());
 }
 
-TriDexel triDexelOf(const implicit::PrimitiveList& list, const DexelGrid& grid, implicit::Prefix prefix,
-                    const Execution& execution) {
+TriDexel triDexelOf(const implicit::PrimitiveList& list, const DexelGrid& grid,
+                    const ListDexelOptions& options, const Execution& execution) {
   std::vector<Primitive> primitives;
-  const std::size_t count = std::min(prefix.count, list.size());
+  const std::size_t count = std::min(options.prefix.count, list.size());
   primitives.reserve(count);
   for (std::size_t i = 0; i < count; ++i) primitives.push_back(list.at(i));
-  TriDexel out(grid);
+  TriDexel out(grid, options.lines);
   out.apply(primitives, OperationId::Initial, execution);
   return out;
 }

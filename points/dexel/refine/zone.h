@@ -35,6 +35,7 @@ class Zone {
   [[nodiscard]] const std::variant<OrientedBox, implicit::Sphere, Camera>& shape() const { return shape_; }
   /// Holds the zone; rounded outwards.
   [[nodiscard]] const Box& bounds() const { return bounds_; }
+  /// Of the zone as it was before it was widened.
   [[nodiscard]] double volume() const { return volume_; }
   [[nodiscard]] bool contains(DVec3 p) const;
   /// Where the whole line through a ray is in the zone; nothing when it misses it or only touches it.
