@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "implicit/parallel.h"
+#include "points/dexel/line_changes.h"
 
 namespace restroke::points {
 
@@ -25,7 +26,7 @@ class FamilyUnderSolids {
         u_((axis + 1) % 3),
         v_((axis + 2) % 3),
         dexels_(model.family(axis)),
-        hulls_(dexels_.hulls()) {}
+        changes_(dexels_) {}
 
   [[nodiscard]] int height() const { return dexels_.height(); }
   using Range = DexelGrid::Range;
@@ -54,23 +55,27 @@ class FamilyUnderSolids {
   }
 
  private:
+  // Ascending and apart from each other, with the solid's own normals.
+  struct Span {
+    float enter, exit;
+    Vec3 enterNormal, exitNormal;
+  };
   void findSpans(const SolidStep& step, int column, int row) {
     Ray line{DVec3(0), DVec3(0)};
     line.origin[u_] = static_cast<double>(grid_.at(u_, column));
     line.origin[v_] = static_cast<double>(grid_.at(v_, row));
     line.direction[axis_] = 1;
-    solidSpans_.clear();
-    step.solid->intersect(line, solidSpans_);
+    found_.clear();
+    step.solid->intersect(line, found_);
     spans_.clear();
-    for (const SolidSpan& s : solidSpans_) {
-      const ToolSpan span{static_cast<float>(s.enter), static_cast<float>(s.exit), packNormal(s.enterNormal),
-                          packNormal(s.exitNormal)};
-      if (!(span.enter < span.exit)) continue;
-      if (!spans_.empty() && !(spans_.back().exit < span.enter)) {
-        spans_.back().exit = span.exit;
-        spans_.back().exitNormal = span.exitNormal;
+    for (const SolidSpan& s : found_) {
+      const auto enter = static_cast<float>(s.enter), exit = static_cast<float>(s.exit);
+      if (!(enter < exit)) continue;
+      if (spans_.empty() || spans_.back().exit < enter) {
+        spans_.push_back({enter, exit, s.enterNormal, s.exitNormal});
       } else {
-        spans_.push_back(span);
+        spans_.back().exit = exit;
+        spans_.back().exitNormal = s.exitNormal;
       }
     }
   }
@@ -78,20 +83,18 @@ class FamilyUnderSolids {
   void change(const SolidStep& step, int column, int row) {
     const std::size_t line = dexels_.lineAt(column, row);
     const Box& box = step.solid->bounds();
-    const float enter = hulls_.enter[line], exit = hulls_.exit[line];
+    const float enter = changes_.hulls().enter[line], exit = changes_.hulls().exit[line];
     const bool fills = step.operation == DexelOperation::Union;
     // Nothing to cut, or nothing to add, wherever in its bounds the solid is.
     if (fills ? !dexels_.hasMore(line) && enter <= box.min[axis_] && box.max[axis_] <= exit
               : !(box.min[axis_] < exit && enter < box.max[axis_]))
       return;
     findSpans(step, column, row);
-    for (const ToolSpan& s : spans_) {
-      if (fills)
-        dexels_.change(line, s, true, step.id);
-      else if (s.enter < hulls_.exit[line] && hulls_.enter[line] < s.exit)
-        dexels_.change(line, {s.enter, s.exit, turnedAround(s.enterNormal), turnedAround(s.exitNormal)},
-                       false, step.id);
-    }
+    for (const Span& s : spans_)
+      changes_.apply(line, {s.enter, s.exit, fills, step.id}, [&](bool isExit) {
+        const Vec3 n = isExit ? s.exitNormal : s.enterNormal;
+        return packNormal(fills ? n : -n);
+      });
   }
 
   void keep(const SolidStep& step, int column, int row, bool isMet) {
@@ -99,16 +102,22 @@ class FamilyUnderSolids {
     if (dexels_.isEmpty(line)) return;
     spans_.clear();
     if (isMet) findSpans(step, column, row);
+    kept_.clear();
+    for (const Span& s : spans_)
+      kept_.push_back({s.enter, s.exit, packNormal(s.enterNormal), packNormal(s.exitNormal)});
     dexels_.read(line, ends_);
-    if (applyToLine(ends_, spans_, DexelOperation::Intersection, step.id)) dexels_.write(line, ends_);
+    if (!applyToLine(ends_, kept_, DexelOperation::Intersection, step.id)) return;
+    dexels_.write(line, ends_);
+    if (dexels_.keepsHistory()) dexels_.noteChange(line, step.id);
   }
 
   const DexelGrid& grid_;
   int axis_, u_, v_;
   Dexels& dexels_;
-  Dexels::Hulls hulls_;
-  std::vector<SolidSpan> solidSpans_;
-  std::vector<ToolSpan> spans_;
+  LineChanges changes_;
+  std::vector<SolidSpan> found_;
+  std::vector<Span> spans_;
+  std::vector<ToolSpan> kept_;
   LineEnds ends_;
 };
 
