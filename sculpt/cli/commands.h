@@ -106,6 +106,7 @@ struct DexelRenderOptions {
   std::string size = "1280x960";
   std::string renderer = "cpu";
   std::string family = "all";  ///< or x, y, z
+  bool spans = false;          ///< as rods
   std::string png;
 };
 
@@ -123,9 +124,10 @@ struct DexelRefineOptions {
   std::string size = "1280x960";
   double zoom = 1;
   int samples = 1;  ///< rays across a pixel
-  bool check = false;
   std::string device = "cpu";
   std::string out, png;
+  std::string spans;         ///< view of a picture of the spans as rods; empty: none
+  std::string family = "z";  ///< of the model's own spans in it
 };
 
 /// Each returns the exit status: 0, or 1 where a check found a difference.

@@ -4,10 +4,13 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <system_error>
 #include <variant>
 
 #include "implicit/simd/dispatch.h"
+#include "points/dexel/refine/refine.h"
+#include "points/dexel/span_rods.h"
 #include "sculpt/cli/replaying.h"
 
 namespace restroke::cli {
@@ -29,6 +32,21 @@ nlohmann::ordered_json boundsOf(const TriDexel& model) {
 void checkDevice(const std::string& device) {
   if (device != "cpu" && device != "opengl")
     throw InputError(fmt::format("--device: \"{}\" must be cpu or opengl", device));
+}
+
+std::optional<int> familyNamed(const std::string& family) {
+  if (family == "all") return std::nullopt;
+  const std::size_t axis = std::string_view("xyz").find(family);
+  if (family.size() != 1 || axis == std::string_view::npos)
+    throw InputError(fmt::format("--family: \"{}\" must be x, y, z or all", family));
+  return static_cast<int>(axis);
+}
+
+void appendRods(const TriDexel& model, std::optional<int> family, std::vector<points::Surfel>& out) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!family || *family == axis)
+      appendRods(model.family(axis), points::familyOf({.grid = model.grid()}, axis),
+                 {.radius = static_cast<float>(0.16 * model.grid().cell())}, out);
 }
 
 void report(Output& output, const DexelReport& report, const nlohmann::ordered_json& more) {

@@ -200,6 +200,11 @@ CLI::App* addDexelRefine(CLI::App& group, DexelRefineOptions& o) {
       "--out", o.out,
       "what was refined: .tridexel (lines along x, y, z), a mesh (.stl, .ply, .obj, .3mf, .amf) or points "
       "(.xyz)");
+  c->add_option(
+      "--spans", o.spans,
+      "a view: the picture shows the spans as rods from there, the new ones, the zone's edges, and the "
+      "model's own along --family");
+  c->add_option("--family", o.family, "with --spans: x, y, z (default) or all");
   c->add_option("--png", o.png, "picture: of a frustum by its rays, of other zones by the ends");
   addCommon(c, o.common);
   return c;
@@ -244,6 +249,7 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
   render->add_option("--size", r.size, "WxH in pixels, default 1280x960");
   render->add_option("--renderer", r.renderer, "cpu (default) or opengl");
   render->add_option("--family", r.family, "x, y or z: the ends of one family of lines only; default all");
+  render->add_flag("--spans", r.spans, "the spans as rods");
   render->add_option("--png", r.png, "picture to write")->required();
   addCommon(render, r.common);
 
