@@ -81,6 +81,8 @@ struct DexelBuildOptions {
   std::optional<double> cell;
   std::string repair;
   std::string device = "cpu";  ///< or opengl
+  bool history = false;        ///< lines keep every operation that changed them
+  bool resultants = false;     ///< the history is merged
   std::string out;
 };
 
@@ -91,6 +93,7 @@ struct DexelApplyOptions {
   std::string poses;  ///< file of poses; empty: the tool as it is
   std::string mode = "cut";
   std::string device = "cpu";
+  bool resultants = false;  ///< the history is merged
   std::string out;
 };
 

@@ -86,6 +86,7 @@ TriDexelDocument ofMesh(const DexelBuildOptions& o, MeshNotes& notes) {
   document.model = o.device == "opengl"
                        ? drawn(std::get<TriangleMesh>(document.initial), made.model.grid(), o.source)
                        : std::move(made.model);
+  if (o.history) document.model.startHistory();
   return document;
 }
 
@@ -111,7 +112,7 @@ TriDexelDocument ofLog(const DexelBuildOptions& o) {
                                        : points::DexelOperation::Subtraction,
                                    primitive.shape});
   }
-  document.model = triDexelOf(list, grid, {}, execution);
+  document.model = triDexelOf(list, grid, {.lines = {.history = o.history}}, execution);
   return document;
 }
 
@@ -126,7 +127,8 @@ int runDexelBuild(const DexelBuildOptions& options) {
     throw InputError(
         fmt::format("{}: is a tri-dexel, but a log, a stamp list or a mesh must be given", options.source));
   MeshNotes notes;
-  const TriDexelDocument document = kind == SourceKind::Mesh ? ofMesh(options, notes) : ofLog(options);
+  TriDexelDocument document = kind == SourceKind::Mesh ? ofMesh(options, notes) : ofLog(options);
+  notes.json.update(mergedIf(options.resultants, document, output, executionOf(options.common)));
   points::writeTriDexel(options.out, document);
   report(output, {options.out, document, std::chrono::duration<double>(Clock::now() - start).count()},
          notes.json);

@@ -31,6 +31,11 @@ struct DexelReport {
 /// Says what the model is, in text and JSON; `more` stands before the time in the JSON. Finishes the output.
 void report(Output& output, const DexelReport& report, const nlohmann::ordered_json& more);
 
+/// Merges the document's history (points/dexel/refine/resultants.h), says what that saved, and returns it as
+/// the JSON's "resultants"; does nothing, and returns an empty object, unless it is wanted.
+[[nodiscard]] nlohmann::ordered_json mergedIf(bool isWanted, points::TriDexelDocument& document,
+                                              const Output& output, const Execution& execution);
+
 /// What f returns; sentences of InputErrors begin with the file's name.
 template <class F>
 auto named(const std::string& file, const F& f) {

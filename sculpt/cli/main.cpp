@@ -163,6 +163,10 @@ CLI::App* addRetarget(CLI::App& app, RetargetOptions& o) {
   return c;
 }
 
+constexpr const char* kResultants =
+    "merge the history: without operations that decide nothing, and with runs of operations in the lines' "
+    "histories; says what that saves";
+
 struct DexelCommands {
   CLI::App *build, *apply, *info, *render, *refine, *exporting;
 };
@@ -221,6 +225,8 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
   build->add_option("--cell", b.cell, "from line to line in model units, in place of --resolution");
   build->add_option("--repair", b.repair, "winding: what to make of a mesh that is no boundary of a solid");
   build->add_option("--device", b.device, "cpu (default), or opengl: a mesh is sampled by drawing it");
+  build->add_flag("--history", b.history, "lines keep every operation that changes them, from now on");
+  build->add_flag("--resultants", b.resultants, kResultants);
   build->add_option("--out", b.out, "tri-dexel to write")->required();
   addCommon(build, b.common);
 
@@ -233,6 +239,7 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
       "one pose a line: 16 numbers, a 4 x 4 matrix row by row; without, the tool is where it is");
   apply->add_option("--mode", a.mode, "cut (default), add, or intersect: keep what is within the tool");
   apply->add_option("--device", a.device, "cpu (default), or opengl: a mesh tool is sampled by drawing it");
+  apply->add_flag("--resultants", a.resultants, kResultants);
   apply->add_option("--out", a.out, "tri-dexel to write")->required();
   addCommon(apply, a.common);
 
