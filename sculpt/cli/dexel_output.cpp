@@ -43,12 +43,12 @@ void report(Output& output, const DexelReport& report, const nlohmann::ordered_j
   const points::GridCounts& n = model.grid().counts();
   output.say(
       fmt::format("{}: {} x {} x {} lines {:.4g} apart ({}), {} span ends; volume {:.6g}\n"
-                  "initial solid: {}; {}, {}\n"
+                  "initial solid: {}; {}, {}, {}\n"
                   "memory {} bytes, {:.1f} a line, {:.1f} an end; file {} bytes; {:.3f} s\n",
                   report.file, n[0], n[1], n[2], model.grid().cell(), plural(lines, "line"), grouped(ends),
                   model.volume(), initial, plural(document.tools.size(), "tool mesh"),
-                  plural(document.operations.size(), "operation"), grouped(bytes),
-                  static_cast<double>(bytes) / static_cast<double>(lines),
+                  plural(document.cutters.size(), "cutter"), plural(document.operations.size(), "operation"),
+                  grouped(bytes), static_cast<double>(bytes) / static_cast<double>(lines),
                   ends == 0 ? 0.0 : static_cast<double>(bytes) / static_cast<double>(ends),
                   grouped(fileBytes), report.seconds));
   nlohmann::ordered_json json{{"file", report.file},
@@ -61,6 +61,7 @@ void report(Output& output, const DexelReport& report, const nlohmann::ordered_j
                               {"volumes", {model.volumeOf(0), model.volumeOf(1), model.volumeOf(2)}},
                               {"initial", initial},
                               {"tools", document.tools.size()},
+                              {"cutters", document.cutters.size()},
                               {"operations", document.operations.size()},
                               {"state_hash", hexHash(model.stateHash())},
                               {"simd", implicit::simdLevelName()},
