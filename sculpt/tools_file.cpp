@@ -114,8 +114,10 @@ ToolsFile parseToolsFile(std::string_view text, const std::string& name) {
   if (root.has("tools")) {
     const JsonField tools = root.member("tools");
     if (!tools.value().is_object()) tools.refuse("an object of tools by their numbers");
-    for (const auto& [key, unused] : tools.value().items())
-      file.tools[numberOf(key, tools)] = toolOf(tools.member(key.c_str()));
+    for (const auto& [key, unused] : tools.value().items()) {
+      const std::uint32_t number = numberOf(key, tools);
+      file.tools[number] = toolOf(tools.member(key.c_str()));
+    }
   }
   if (root.has("workpiece")) {
     const JsonField workpiece = root.member("workpiece");
