@@ -35,7 +35,7 @@ struct Move {
   points::PathElement element;
   std::uint32_t cutter = 0;  // in the document
   DexelOperation operation = DexelOperation::Subtraction;
-  std::string place;  // for messages
+  std::size_t line = 0;  // of the file; 0: not known
 };
 
 // What is known of a path before it is applied.
@@ -44,6 +44,17 @@ struct Path {
   std::set<std::uint32_t> tools;  // by their numbers
   nlohmann::ordered_json notes;
 };
+
+// What f returns; sentences of InputErrors begin with the file's name, and the line where it is known.
+template <class F>
+auto inLine(const std::string& file, std::size_t line, const F& f) {
+  try {
+    return f();
+  } catch (const InputError& error) {
+    throw InputError(line == 0 ? fmt::format("{}: {}", file, error.what())
+                               : fmt::format("{}: line {}: {}", file, line, error.what()));
+  }
+}
 
 std::optional<DexelOperation> operationNamed(const std::string& mode) {
   if (mode.empty()) return std::nullopt;
@@ -112,20 +123,19 @@ class PathReader {
 
  private:
   void add(Path& path, const points::PathElement& element, std::uint32_t tool,
-           const std::array<double, 9>& orientation, std::string place) {
-    Move move{.element = element, .place = std::move(place)};
-    move.cutter = named(move.place, [&] { return cutters_.numberOf(tool, orientation); });
+           const std::array<double, 9>& orientation, std::size_t line) {
+    Move move{.element = element, .line = line};
+    move.cutter = inLine(options_.toolpath, line, [&] { return cutters_.numberOf(tool, orientation); });
     move.operation =
         mode_.value_or(cutters_.adds(tool) ? DexelOperation::Union : DexelOperation::Subtraction);
     path.tools.insert(tool);
-    path.moves.push_back(std::move(move));
+    path.moves.push_back(move);
   }
 
   void readGcode(const std::string& contents, Path& path) {
     const points::GcodeProgram program = points::parseGcode(contents, options_.toolpath, {.tool = inHand_});
     for (const points::GcodeElement& e : program.elements)
-      add(path, e.element, e.tool, Cutter{}.orientation,
-          fmt::format("{}: line {}", options_.toolpath, e.line));
+      add(path, e.element, e.tool, Cutter{}.orientation, e.line);
     path.notes = {{"format", "gcode"}, {"still", program.still}, {"approaches", program.approaches}};
   }
 
@@ -136,7 +146,7 @@ class PathReader {
     const auto poses = points::parsePoses(contents, options_.toolpath);
     const points::PosePath steps = named(options_.toolpath, [&] { return points::posePathOf(poses); });
     for (const auto& step : steps.steps)
-      add(path, step.element, *inHand_, steps.orientations[step.orientation], options_.toolpath);
+      add(path, step.element, *inHand_, steps.orientations[step.orientation], 0);
     if (steps.turns > 0)
       Output::note(
           fmt::format("{}: the tool turns between poses {}: it is placed anew there, without a sweep",
@@ -152,7 +162,8 @@ class PathReader {
   Cutters cutters_;
 };
 
-void applyMoves(const std::vector<Move>& moves, TriDexelDocument& document, const Execution& execution) {
+void applyMoves(const std::vector<Move>& moves, const DexelApplyOptions& options,
+                TriDexelDocument& document) {
   // So many at a time that threads have enough to do, and few enough for the bar to move.
   constexpr std::size_t kBatch = 256;
   Progress progress("apply", moves.size());
@@ -165,7 +176,7 @@ void applyMoves(const std::vector<Move>& moves, TriDexelDocument& document, cons
     Box added;
     for (std::size_t i = first; i < end; ++i) {
       const Move& move = moves[i];
-      solids.push_back(named(move.place, [&] {
+      solids.push_back(inLine(options.toolpath, move.line, [&] {
         return std::make_unique<points::SweptCutter>(document.cutters[move.cutter], move.element);
       }));
       document.operations.push_back({move.operation, points::CutterMove{move.cutter, move.element}});
@@ -174,7 +185,7 @@ void applyMoves(const std::vector<Move>& moves, TriDexelDocument& document, cons
       if (move.operation == DexelOperation::Union) added.add(solids.back()->bounds());
     }
     document.model.growTo(added);
-    apply(document.model, steps, execution);
+    apply(document.model, steps, executionOf(options.common));
     progress.update(end);
   }
 }
@@ -198,7 +209,7 @@ void checkToolpathOptions(const DexelApplyOptions& options) {
 
 nlohmann::ordered_json applyToolpath(const DexelApplyOptions& options, TriDexelDocument& document) {
   const Path path = PathReader(options, document).read();
-  applyMoves(path.moves, document, executionOf(options.common));
+  applyMoves(path.moves, options, document);
   nlohmann::ordered_json json{
       {"toolpath", options.toolpath}, {"elements", path.moves.size()}, {"tool_numbers", path.tools}};
   json.update(path.notes);
