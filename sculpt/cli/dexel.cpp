@@ -24,6 +24,7 @@
 #include "sculpt/cli/replaying.h"
 #include "sculpt/cli/sources.h"
 #include "sculpt/cli/words.h"
+#include "sculpt/tools_file.h"
 
 namespace restroke::cli {
 
@@ -63,9 +64,8 @@ TriDexel drawn(const TriangleMesh& solid, const points::DexelGrid& grid, const s
   return model.download();
 }
 
-TriDexelDocument ofMesh(const DexelBuildOptions& o, MeshNotes& notes) {
+TriDexelDocument ofMesh(const DexelBuildOptions& o, const TriangleMesh& mesh, MeshNotes& notes) {
   const Execution execution = executionOf(o.common);
-  const TriangleMesh mesh = points::readMesh(o.source);
   const auto repair = repairNamed(o.repair) == sculpt::Repair::Winding ? points::MeshRepair::Winding
                                                                        : points::MeshRepair::None;
   const points::MeshModelOptions options{.lines = {.resolution = o.resolution, .cell = o.cell},
@@ -127,8 +127,10 @@ int runDexelBuild(const DexelBuildOptions& options) {
     throw InputError(
         fmt::format("{}: is a tri-dexel, but a log, a stamp list or a mesh must be given", options.source));
   MeshNotes notes;
-  TriDexelDocument document = kind == SourceKind::Mesh ? ofMesh(options, notes) : ofLog(options);
-  notes.json.update(mergedIf(options.resultants, document, output, executionOf(options.common)));
+  TriDexelDocument document =
+      kind == SourceKind::Mesh      ? ofMesh(options, points::readMesh(options.source), notes)
+      : kind == SourceKind::Project ? ofMesh(options, stockOf(sculpt::readToolsFile(options.source)), notes)
+                                    : ofLog(options);
   points::writeTriDexel(options.out, document);
   report(output, {options.out, document, std::chrono::duration<double>(Clock::now() - start).count()},
          notes.json);

@@ -1,4 +1,4 @@
-// restroke dexel apply: a tool cuts, or is added, in one pose after the other.
+// restroke dexel apply: a tool cuts, or is added, in one pose after the other or along a path.
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +13,7 @@
 #include "sculpt/base_change.h"
 #include "sculpt/cli/commands.h"
 #include "sculpt/cli/dexel_output.h"
+#include "sculpt/cli/dexel_toolpath.h"
 #include "sculpt/cli/sources.h"
 #include "sculpt/shape_text.h"
 
@@ -47,7 +48,7 @@ struct Run {
 };
 
 DexelOperation operationNamed(const std::string& mode) {
-  if (mode == "cut") return DexelOperation::Subtraction;
+  if (mode.empty() || mode == "cut") return DexelOperation::Subtraction;
   if (mode == "add") return DexelOperation::Union;
   if (mode == "intersect") return DexelOperation::Intersection;
   throw InputError(fmt::format("--mode: \"{}\" must be cut, add or intersect", mode));
@@ -125,8 +126,17 @@ void applyToolDrawn(const Run& run, const points::DexelTool& tool) {
 int runDexelApply(const DexelApplyOptions& options) {
   const auto start = Clock::now();
   checkDevice(options.device);
-  const DexelOperation operation = operationNamed(options.mode);
+  checkToolpathOptions(options);
   Output output(options.common);
+  if (!options.toolpath.empty()) {
+    TriDexelDocument document = points::readTriDexel(options.model);
+    const nlohmann::ordered_json notes = applyToolpath(options, document);
+    points::writeTriDexel(options.out, document);
+    report(output, {options.out, document, std::chrono::duration<double>(Clock::now() - start).count()},
+           notes);
+    return 0;
+  }
+  const DexelOperation operation = operationNamed(options.mode);
   TriDexelDocument document = points::readTriDexel(options.model);
   if (options.device == "opengl" && document.model.keepsHistory())
     throw InputError(

@@ -220,7 +220,10 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
 
   DexelBuildOptions& b = options.dexelBuild;
   CLI::App* build = group->add_subcommand("build", "make a tri-dexel of a log, a stamp list or a mesh");
-  build->add_option("source", b.source, "stroke log, stamp list or mesh file")->required();
+  build
+      ->add_option("source", b.source,
+                   "stroke log, stamp list, mesh file, or CAMotics project, of which the workpiece is taken")
+      ->required();
   build->add_option("--resolution", b.resolution, "lines along the longest side, 1 to 8192, default 128");
   build->add_option("--cell", b.cell, "from line to line in model units, in place of --resolution");
   build->add_option("--repair", b.repair, "winding: what to make of a mesh that is no boundary of a solid");
@@ -231,13 +234,21 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
   addCommon(build, b.common);
 
   DexelApplyOptions& a = options.dexelApply;
-  CLI::App* apply = group->add_subcommand("apply", "cut with a tool, or add it, in one pose after the other");
+  CLI::App* apply = group->add_subcommand(
+      "apply", "cut with a tool, or add it, in one pose after the other or along a path");
   apply->add_option("model", a.model, "tri-dexel")->required();
-  apply->add_option("--tool", a.tool, std::string("the tool: ") + kShapes)->required();
+  apply->add_option(
+      "--tool", a.tool,
+      std::string("the tool: ") + kShapes + "; with --toolpath the number of a tool in --tools");
   apply->add_option(
       "--poses", a.poses,
       "one pose a line: 16 numbers, a 4 x 4 matrix row by row; without, the tool is where it is");
-  apply->add_option("--mode", a.mode, "cut (default), add, or intersect: keep what is within the tool");
+  apply->add_option("--toolpath", a.toolpath,
+                    "G-code, or poses between which the cutter sweeps: each element is an operation");
+  apply->add_option("--tools", a.tools, "of --toolpath: what the cutters are, a CAMotics project (JSON)");
+  apply->add_option(
+      "--mode", a.mode,
+      "cut (default; of --toolpath what --tools says), add, or intersect: keep what is within the tool");
   apply->add_option("--device", a.device, "cpu (default), or opengl: a mesh tool is sampled by drawing it");
   apply->add_flag("--resultants", a.resultants, kResultants);
   apply->add_option("--out", a.out, "tri-dexel to write")->required();
