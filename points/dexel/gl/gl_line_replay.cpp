@@ -308,10 +308,9 @@ class Replay {
           rows.push_back(basis_.known->rowOf(line.ray));
           const Four& own = part.lines[i];
           const std::size_t k = i - tile.firstLine;
-          std::size_t like = 0;
-          while (like < k &&
-                 !(rows[k] && rows[like] == rows[k] && part.lines[tile.firstLine + like][2] == own[2] &&
-                   part.lines[tile.firstLine + like][3] == own[3]))
+          std::size_t like = rows[k] ? 0 : k;
+          while (like < k && !(rows[like] == rows[k] && part.lines[tile.firstLine + like][2] == own[2] &&
+                               part.lines[tile.firstLine + like][3] == own[3]))
             ++like;
           if (like < k) {
             of.places.push_back(of.places[like]);

@@ -27,8 +27,8 @@ class GlLineReplay {
  public:
   /// No result depends on them.
   struct Options {
-    std::size_t room = 16;  ///< pieces that a line has memory for at first, > 0; lines with more are redone
-    std::size_t lines = std::size_t{1} << 18;  ///< worked on at a time, > 0
+    std::size_t room = 32;  ///< pieces that a line has memory for at first, > 0; lines with more are redone
+    std::size_t lines = std::size_t{1} << 17;  ///< worked on at a time, > 0
     std::size_t pairs = std::size_t{1} << 24;  ///< of steps and tiles of 8 x 8 lines, at a time
     std::size_t solids = 4;                    ///< that are no balls: of each tile at a time, > 0
   };

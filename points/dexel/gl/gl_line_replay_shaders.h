@@ -96,6 +96,16 @@ void takeRay(uint line) {
   rayDd = dd;
 }
 
+// False: the line misses the ball for sure. In float32, which cards are far better at, with more room than
+// rounding takes.
+bool mayMeet(uvec4 ball) {
+  vec4 f = uintBitsToFloat(ball);
+  vec3 direction = vec3(rayDirection), origin = vec3(rayOrigin);
+  vec3 to = f.xyz - origin;
+  vec3 q = to - dot(to, direction) * direction;
+  float size = dot(abs(origin) + abs(f.xyz), vec3(1.0));
+  return !(dot(q, q) > f.w * f.w * 1.001 + size * size * (1.0 / 65536.0));
+}
 // x: enter, y: exit; x > y: the line misses the ball.
 dvec2 spanOfBall(uvec4 ball) {
   vec4 f = uintBitsToFloat(ball);
@@ -204,8 +214,11 @@ void main() {
       stretch = 0u;
       i += 2u;
     } else {
-      dvec2 span = spanOfBall(balls[step]);
-      if (span.x < span.y) fits = paint(max(float(span.x), from), min(float(span.y), to), step);
+      uvec4 ball = balls[step];
+      if (mayMeet(ball)) {
+        dvec2 span = spanOfBall(ball);
+        if (span.x < span.y) fits = paint(max(float(span.x), from), min(float(span.y), to), step);
+      }
       ++i;
     }
   }
