@@ -130,7 +130,7 @@ class Refinement {
         return referencesIn(model, zone_.widened(options_.widening * model.grid().cell()),
                             EndReferences::Both, history_.idCount());
       case RefineMethod::Touching: {
-        std::vector<OperationId> ids = changesIn(model, zone_, history_);
+        std::vector<OperationId> ids = changesIn(document_, zone_, history_);
         if (ids.empty() || ids.front() != OperationId::Initial) ids.insert(ids.begin(), OperationId::Initial);
         return ids;
       }
@@ -220,6 +220,38 @@ std::optional<double> RefinedModel::volume() const {
   }
   if (families.empty()) return std::nullopt;
   return sum / static_cast<double>(families.size());
+}
+
+namespace {
+
+// From the model's frame into the grid's.
+void turnNormals(Dexels& dexels, const ZoneGrid& grid) {
+  LineEnds ends;
+  for (std::size_t line = 0; line < dexels.lineCount(); ++line) {
+    if (dexels.isEmpty(line)) continue;
+    dexels.read(line, ends);
+    for (SpanEnd& end : ends) {
+      const DVec3 n(unpackNormal(end.normal));
+      const Vec3 turned(DVec3(dot(grid.axes[0], n), dot(grid.axes[1], n), dot(grid.axes[2], n)));
+      end.normal = packNormal(turned) | (end.normal & kPackedFlag);
+    }
+    dexels.write(line, ends);
+  }
+}
+
+}  // namespace
+
+TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
+  RESTROKE_CHECK_EQ(refined.families.size(), 3u);
+  TriDexel out(grid.grid);
+  for (int axis = 0; axis < 3; ++axis) {
+    Dexels& dexels = refined.families[static_cast<std::size_t>(axis)].dexels;
+    RESTROKE_CHECK_EQ(
+        dexels.width() == out.family(axis).width() && dexels.height() == out.family(axis).height(), true);
+    out.family(axis) = std::move(dexels);
+    if (grid.isTurned()) turnNormals(out.family(axis), grid);
+  }
+  return out;
 }
 
 RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
