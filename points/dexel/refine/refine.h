@@ -127,5 +127,10 @@ struct RefinedModel {
 [[nodiscard]] RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history,
                                   const Zone& zone, const std::vector<LineFamily>& lines,
                                   const RefineOptions& options = {}, const Execution& execution = {});
+/// The same, with lines replayed by `replayer`. RefineOptions::plain asks replayPlainly all the same.
+[[nodiscard]] RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history,
+                                  const Zone& zone, const std::vector<LineFamily>& lines,
+                                  const RefineOptions& options, const Execution& execution,
+                                  const LineReplayer& replayer);
 
 }  // namespace restroke::points
