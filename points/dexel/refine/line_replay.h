@@ -34,9 +34,12 @@ struct LinesInZone {
                             const LinesInZone& lines, const Execution& execution = {});
 
 /// The same on lines that already hold something: `dexels` (of the family's size, cut to the zone) is changed
-/// in place.
+/// in place. Borders are left as the operations make them: closeAtBorders when all is done.
 void replayOn(Dexels& dexels, const DexelHistory& history, std::span<const OperationId> ids,
               const LinesInZone& lines, const Execution& execution = {});
+
+/// Ends at the borders of the zone, as replay promises them. O(lines).
+void closeAtBorders(Dexels& dexels, const LinesInZone& lines);
 
 /// The same result as replay by its definition: each line asks each operation. O(lines x operations).
 [[nodiscard]] Dexels replayPlainly(const DexelHistory& history, std::span<const OperationId> ids,

@@ -34,12 +34,30 @@ struct SpanLanes {
   const float *toolEnter, *toolExit;  ///< enter >= exit: the tool misses the line
 };
 
+/// A ball in model space.
+struct BallPlace {
+  double x, y, z;
+  double square;  ///< radius^2
+};
+
+/// Lines next to each other, in any directions: origin + t direction, each between two depths only.
+struct LineLanes {
+  const double* origin[3];
+  const double* direction[3];
+  const float *from, *to;  ///< from > to: not at all
+};
+
 struct SpanKernels {
   static constexpr std::size_t kLanes = BallLanes::kCount;  ///< most lines of one call
 
   /// Spans of a ball on `count` lines at the coordinates `columns`, each end rounded to float32. Lines that
   /// miss it get enter > exit. May write up to the next multiple of 16, and read so far.
   void (*ballRow)(const BallRow& ball, const float* columns, std::size_t count, BallLanes& lanes);
+  /// Where lines are inside a ball: what implicit::intersect(Sphere, Ray) says, each end rounded to float32
+  /// and cut to the line's depths. Lines that miss it there get enter >= exit. May write up to the next
+  /// multiple of 16, and read so far.
+  void (*ballOnLines)(const BallPlace& ball, const LineLanes& lines, std::size_t count, float* enter,
+                      float* exit);
   /// Bits of the lines that an operation may change. With several spans on a line: whenever the tool meets
   /// it.
   std::uint64_t (*changedByUnion)(const SpanLanes& lanes, std::size_t count);

@@ -1,0 +1,126 @@
+#include "points/dexel/refine/model_cells.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "implicit/parallel.h"
+
+namespace restroke::points {
+
+namespace {
+
+constexpr std::uint8_t kOutside = 1, kInside = 2;
+
+// The edges of one family that belong to the cells of a region, each with what it has points of.
+class Edges {
+ public:
+  Edges(const TriDexel& model, int axis, const std::array<int, 3>& first, const std::array<int, 3>& counts)
+      : model_(model), axis_(axis), first_(first) {
+    // Along the axis as many as cells, across one more.
+    for (std::size_t a = 0; a < 3; ++a) size_[a] = counts[a] + (static_cast<int>(a) == axis ? 0 : 1);
+    edges_.assign(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) *
+                      static_cast<std::size_t>(size_[2]),
+                  kOutside | kInside);
+    const std::array<std::size_t, 3> strides{
+        1, static_cast<std::size_t>(size_[0]),
+        static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1])};
+    strides_ = strides;
+  }
+
+  void fill() {
+    const int u = (axis_ + 1) % 3, v = (axis_ + 2) % 3;
+    tbb::parallel_for(0, sizeOf(v), [&](int row) {
+      LineEnds ends;
+      for (int column = 0; column < sizeOf(u); ++column) fillLine(column, row, ends);
+    });
+  }
+
+  /// Edge of cell (x, y, z) of the region.
+  [[nodiscard]] const std::uint8_t* row(int y, int z) const {
+    return &edges_[static_cast<std::size_t>(y) * strides_[1] + static_cast<std::size_t>(z) * strides_[2]];
+  }
+
+ private:
+  [[nodiscard]] int sizeOf(int axis) const { return size_[static_cast<std::size_t>(axis)]; }
+  [[nodiscard]] int firstOf(int axis) const { return first_[static_cast<std::size_t>(axis)]; }
+
+  void fillLine(int column, int row, LineEnds& ends) {
+    const int u = (axis_ + 1) % 3, v = (axis_ + 2) % 3;
+    const Dexels& dexels = model_.family(axis_);
+    const int c = firstOf(u) + column, r = firstOf(v) + row;
+    if (c < 0 || r < 0 || c >= dexels.width() || r >= dexels.height()) return;  // no line: not known
+    dexels.read(dexels.lineAt(c, r), ends);
+    const std::size_t stride = strides_[static_cast<std::size_t>(axis_)];
+    std::uint8_t* const edges =
+        &edges_[static_cast<std::size_t>(column) * strides_[static_cast<std::size_t>(u)] +
+                static_cast<std::size_t>(row) * strides_[static_cast<std::size_t>(v)]];
+    const int last = model_.grid().counts()[static_cast<std::size_t>(axis_)] - 1;
+    std::size_t passed = 0;  // ends up to the edge's beginning
+    for (int i = 0; i < sizeOf(axis_); ++i) {
+      const int point = firstOf(axis_) + i;
+      if (point < 0 || point >= last) continue;  // half of it lies beyond the grid
+      const float from = model_.grid().at(axis_, point), to = model_.grid().at(axis_, point + 1);
+      while (passed < ends.size() && ends[passed].depth <= from) ++passed;
+      std::uint8_t has = passed % 2 == 1 ? kInside : kOutside;
+      // An end at the edge's end belongs to the next one.
+      if (passed < ends.size() && ends[passed].depth < to) has = kInside | kOutside;
+      edges[static_cast<std::size_t>(i) * stride] = has;
+    }
+  }
+
+  const TriDexel& model_;
+  int axis_;
+  std::array<int, 3> first_, size_{};
+  std::array<std::size_t, 3> strides_{};
+  std::vector<std::uint8_t> edges_;
+};
+
+}  // namespace
+
+ModelCells::ModelCells(const TriDexel& model, const Box& box, const Execution& execution) {
+  const DexelGrid& grid = model.grid();
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    const int points = grid.counts()[i];
+    // From the cell before the first point to the one after the last.
+    const int low = std::clamp(grid.firstFrom(a, static_cast<double>(box.min[a])) - 1, -1, points - 1),
+              high = std::clamp(grid.firstFrom(a, static_cast<double>(box.max[a])), 0, points);
+    first_[i] = low;
+    counts_[i] = std::max(0, high - low);
+    for (int k = 0; k <= counts_[i]; ++k) planes_[i].push_back(static_cast<double>(grid.at(a, low + k)));
+  }
+  const auto count = [&](std::size_t a) { return static_cast<std::size_t>(counts_[a]); };
+  kinds_.resize(count(0) * count(1) * count(2));
+  if (kinds_.empty()) return;
+  inArena(execution, [&] {
+    Edges x(model, 0, first_, counts_), y(model, 1, first_, counts_), z(model, 2, first_, counts_);
+    x.fill();
+    y.fill();
+    z.fill();
+    tbb::parallel_for(0, counts_[2], [&](int k) {
+      for (int j = 0; j < counts_[1]; ++j) {
+        Kind* const kinds =
+            &kinds_[(static_cast<std::size_t>(k) * count(1) + static_cast<std::size_t>(j)) * count(0)];
+        const std::uint8_t *x0 = x.row(j, k), *x1 = x.row(j + 1, k), *x2 = x.row(j, k + 1),
+                           *x3 = x.row(j + 1, k + 1), *y0 = y.row(j, k), *y1 = y.row(j, k + 1),
+                           *z0 = z.row(j, k), *z1 = z.row(j + 1, k);
+        for (std::size_t i = 0; i < count(0); ++i)
+          kinds[i] = static_cast<Kind>(x0[i] | x1[i] | x2[i] | x3[i] | y0[i] | y0[i + 1] | y1[i] | y1[i + 1] |
+                                       z0[i] | z0[i + 1] | z1[i] | z1[i + 1]);
+      }
+    });
+  });
+}
+
+ModelCells::Kind ModelCells::at(const std::array<int, 3>& cell) const {
+  std::size_t index = 0;
+  for (std::size_t a = 3; a-- > 0;) {
+    const int i = cell[a] - first_[a];
+    if (i < 0 || i >= counts_[a]) return Kind::Empty;
+    index = index * static_cast<std::size_t>(counts_[a]) + static_cast<std::size_t>(i);
+  }
+  return kinds_[index];
+}
+
+}  // namespace restroke::points

@@ -1,0 +1,267 @@
+#include "points/dexel/refine/refine.h"
+
+#include <tbb/parallel_for.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "implicit/errors.h"
+#include "implicit/parallel.h"
+#include "points/dexel/line_changes.h"
+#include "points/dexel/refine/collect.h"
+#include "points/dexel/refine/model_cells.h"
+
+namespace restroke::points {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Adds the time that f takes to `seconds`.
+template <class F>
+auto timed(double& seconds, const F& f) {
+  const auto start = Clock::now();
+  struct Stop {
+    double& seconds;
+    Clock::time_point start;
+    ~Stop() { seconds += std::chrono::duration<double>(Clock::now() - start).count(); }
+  } const stop{seconds, start};
+  return f();
+}
+
+// Which stretches of lines the cells fill or clear.
+enum class CellRule : std::uint8_t {
+  FillFull,         // a lower approximation
+  FillAllButEmpty,  // an upper one
+  Correct           // fills what is full, clears what is empty
+};
+
+void applyCells(Dexels& dexels, const LinesInZone& lines, const ModelCells& cells, CellRule rule,
+                const Execution& execution) {
+  inArena(execution, [&] {
+    tbb::parallel_for(0, lines.family.height, [&](int row) {
+      LineChanges changes(dexels);
+      for (int column = 0; column < lines.family.width; ++column) {
+        const std::size_t line = dexels.lineAt(column, row);
+        const float from = lines.from[line], to = lines.to[line];
+        if (!(from < to)) continue;
+        const Ray ray = lines.family.line(column, row);
+        const PackedNormal along = packNormal(Vec3(ray.direction));
+        // Neighbouring stretches with one answer are one.
+        Stretch last{from, from, false, OperationId::None};
+        const auto flush = [&] {
+          if (last.enter < last.exit)
+            changes.apply(line, last,
+                          [&](bool exit) { return exit == last.fills ? along : turnedAround(along); });
+        };
+        cells.forStretches(ray, {static_cast<double>(from), static_cast<double>(to)},
+                           [&](ModelCells::Kind kind, double enter, double exit) {
+                             using Kind = ModelCells::Kind;
+                             const bool fills = kind == Kind::Full ||
+                                                (rule == CellRule::FillAllButEmpty && kind != Kind::Empty);
+                             const bool clears = rule == CellRule::Correct && kind == Kind::Empty;
+                             if (!fills && !clears) return;
+                             const auto begin = static_cast<float>(enter), end = static_cast<float>(exit);
+                             if (last.fills == fills && last.exit == begin) {
+                               last.exit = end;
+                               return;
+                             }
+                             flush();
+                             last = {begin, end, fills, OperationId::None};
+                           });
+        flush();
+      }
+    });
+  });
+}
+
+void refuse(const TriDexel& model, RefineMethod method) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if ((method == RefineMethod::Ends || method == RefineMethod::Document) &&
+        !model.family(axis).keepsOperations())
+      throw InputError(fmt::format(
+          "the model's ends do not say which operations made them; they must for the method \"{}\"",
+          nameOf(method)));
+    const bool keepsHistory = [](const auto& d) {
+      if constexpr (requires { d.keepsHistory(); })
+        return d.keepsHistory();
+      else
+        return false;
+    }(model.family(axis));
+    if (method == RefineMethod::Touching && !keepsHistory)
+      throw InputError(
+          "the model's lines do not keep which operations changed them; they must for the method "
+          "\"touching\"");
+  }
+}
+
+// The document's: whether there are only removals, only additions, or both.
+struct Sorts {
+  bool adds = false, removes = false;
+};
+Sorts sortsOf(const TriDexelDocument& document, const std::vector<OperationId>& ids) {
+  Sorts sorts;
+  for (const OperationId id : ids) {
+    if (id == OperationId::Initial) continue;
+    const auto operation = document.operations[static_cast<std::size_t>(id) - 1].operation;
+    (operation == DexelOperation::Union ? sorts.adds : sorts.removes) = true;
+  }
+  return sorts;
+}
+
+class Refinement {
+ public:
+  Refinement(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
+             const RefineOptions& options)
+      : document_(document), history_(history), zone_(zone), options_(options) {}
+
+  RefinedModel run(const std::vector<LineFamily>& families, const Execution& execution) {
+    out_.ids = timed(out_.times.collect, [&] { return collect(); });
+    const bool asksCells = options_.method == RefineMethod::Document ||
+                           (options_.method == RefineMethod::Ends && options_.corrected);
+    std::optional<ModelCells> cells;
+    if (asksCells)
+      timed(out_.times.approximate, [&] { cells.emplace(document_.model, zone_.bounds(), execution); });
+    for (const LineFamily& family : families) {
+      RefinedFamily refined;
+      timed(out_.times.replay, [&] { refined.lines = linesInZone(family, zone_, execution); });
+      if (options_.method == RefineMethod::Document)
+        refined.dexels = byDocument(refined.lines, *cells, execution);
+      else if (options_.method == RefineMethod::All && options_.plain)
+        timed(out_.times.replay,
+              [&] { refined.dexels = replayPlainly(history_, out_.ids, refined.lines, execution); });
+      else
+        refined.dexels = replayed(refined.lines, cells ? &*cells : nullptr, execution);
+      out_.families.push_back(std::move(refined));
+    }
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] std::vector<OperationId> collect() const {
+    const TriDexel& model = document_.model;
+    switch (options_.method) {
+      case RefineMethod::Document:
+        return referencesIn(model, zone_, EndReferences::Trimming, history_.idCount());
+      case RefineMethod::Ends:
+        return referencesIn(model, zone_.widened(options_.widening * model.grid().cell()),
+                            EndReferences::Both, history_.idCount());
+      case RefineMethod::Touching: {
+        std::vector<OperationId> ids = changesIn(model, zone_, history_);
+        if (ids.empty() || ids.front() != OperationId::Initial) ids.insert(ids.begin(), OperationId::Initial);
+        return ids;
+      }
+      case RefineMethod::Clusters:
+        return history_.idsByClusters(zone_);
+      case RefineMethod::All:
+        break;
+    }
+    if (!options_.plain) return history_.idsByBounds(zone_);
+    std::vector<OperationId> ids(history_.idCount());
+    for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = static_cast<OperationId>(i);
+    return ids;
+  }
+
+  [[nodiscard]] static Dexels empty(const LinesInZone& lines) {
+    return {lines.family.width, lines.family.height, {.operations = true}};
+  }
+
+  [[nodiscard]] Dexels replayed(const LinesInZone& lines, const ModelCells* cells,
+                                const Execution& execution) {
+    Dexels dexels = empty(lines);
+    timed(out_.times.replay, [&] { replayOn(dexels, history_, out_.ids, lines, execution); });
+    if (cells)
+      timed(out_.times.approximate, [&] { applyCells(dexels, lines, *cells, CellRule::Correct, execution); });
+    timed(out_.times.replay, [&] { closeAtBorders(dexels, lines); });
+    return dexels;
+  }
+
+  [[nodiscard]] Dexels byDocument(const LinesInZone& lines, const ModelCells& cells,
+                                  const Execution& execution) {
+    const Sorts sorts = sortsOf(document_, out_.ids);
+    const bool upper = sorts.removes && !sorts.adds;
+    Dexels dexels = empty(lines);
+    timed(out_.times.approximate, [&] {
+      applyCells(dexels, lines, cells, upper ? CellRule::FillAllButEmpty : CellRule::FillFull, execution);
+    });
+    timed(out_.times.replay, [&] {
+      std::span<const OperationId> ids = out_.ids;
+      const bool initial = !ids.empty() && ids.front() == OperationId::Initial;
+      if (initial && upper) {
+        // Of the upper approximation only what the initial solid holds.
+        Dexels solid = empty(lines);
+        replayOn(solid, history_, ids.first(1), lines, execution);
+        intersect(dexels, solid);
+        ids = ids.subspan(1);
+      }
+      replayOn(dexels, history_, ids, lines, execution);
+      closeAtBorders(dexels, lines);
+    });
+    return dexels;
+  }
+
+  // Keeps what both have; where the second one ends, its end stays.
+  static void intersect(Dexels& dexels, const Dexels& kept) {
+    LineEnds own, others;
+    std::vector<ToolSpan> spans;
+    for (std::size_t line = 0; line < dexels.lineCount(); ++line) {
+      if (dexels.isEmpty(line)) continue;
+      dexels.read(line, own);
+      kept.read(line, others);
+      // What is kept, less what the approximation lacks.
+      spans.clear();
+      for (std::size_t i = 0; i < own.size(); i += 2)
+        spans.push_back(
+            {own[i].depth, own[i + 1].depth, own[i].normal & ~kPackedFlag, own[i + 1].normal & ~kPackedFlag});
+      applyToLine(others, spans, DexelOperation::Intersection, OperationId::None);
+      dexels.write(line, others);
+    }
+  }
+
+  const TriDexelDocument& document_;
+  const DexelHistory& history_;
+  const Zone& zone_;
+  const RefineOptions& options_;
+  RefinedModel out_;
+};
+
+}  // namespace
+
+std::string_view nameOf(RefineMethod method) {
+  switch (method) {
+    case RefineMethod::Document:
+      return "document";
+    case RefineMethod::Ends:
+      return "ends";
+    case RefineMethod::Touching:
+      return "touching";
+    case RefineMethod::Clusters:
+      return "clusters";
+    case RefineMethod::All:
+      break;
+  }
+  return "all";
+}
+
+std::optional<double> RefinedModel::volume() const {
+  double sum = 0;
+  for (const RefinedFamily& family : families) {
+    const LineFamily& lines = family.lines.family;
+    if (lines.directionStep != DVec3(0) || lines.directionRowStep != DVec3(0)) return std::nullopt;
+    sum += family.dexels.totalLength() * length(cross(lines.originStep, lines.originRowStep));
+  }
+  if (families.empty()) return std::nullopt;
+  return sum / static_cast<double>(families.size());
+}
+
+RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
+                    const std::vector<LineFamily>& lines, const RefineOptions& options,
+                    const Execution& execution) {
+  refuse(document.model, options.method);
+  if (!(std::isfinite(options.widening) && options.widening >= 0 && options.widening <= kMostLines))
+    throw InputError(fmt::format("the zone is to be widened by {} cells; it must be 0 to {}",
+                                 options.widening, kMostLines));
+  return Refinement(document, history, zone, options).run(lines, execution);
+}
+
+}  // namespace restroke::points
