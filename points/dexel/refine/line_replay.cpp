@@ -7,11 +7,13 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "implicit/errors.h"
 #include "implicit/parallel.h"
-#include "points/dexel/line_changes.h"
 #include "points/dexel/refine/family_raster.h"
+#include "points/dexel/refine/steps_on_line.h"
+#include "points/dexel/simd/span_kernels.h"
 
 namespace restroke::points {
 
@@ -21,9 +23,9 @@ using implicit::Sphere;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Rows that one thread works on at a time, and columns that are worked on together: what they hold stays in
-// its cache while operations pass over them.
+// its cache while operations pass over them, and is done as soon as its own lines are decided.
 constexpr int kBand = 8;
-constexpr int kTile = static_cast<int>(LineChanges::kLanes);
+constexpr int kTile = static_cast<int>(SpanKernels::kLanes);
 constexpr int kPadding = 16;  // of kernels
 
 float roundedUp(double x) {
@@ -34,169 +36,146 @@ float roundedDown(double x) {
   return -roundedUp(-x);
 }
 
-// What a step does to one line, by what its solid says of the line. `Apply` takes (Stretch, normalAt).
-class StepOnLine {
- public:
-  /// from < to: the line's depths that count.
-  template <class Apply>
-  void operator()(const HistoryStep& step, const Ray& line, float from, float to, const Apply& apply) {
-    spans_.clear();
-    if (step.ball)
-      addBall(*step.ball, line);
-    else
-      step.solid->intersect(line, spans_);
-    if (step.operation != DexelOperation::Intersection) {
-      const bool fills = step.operation == DexelOperation::Union;
-      for (const SolidSpan& span : spans_)
-        put(step, {span.enter, span.exit}, from, to, apply, fills, [&](bool exit) {
-          const Vec3 n = exit ? span.exitNormal : span.enterNormal;
-          return packNormal(fills ? n : -n);
-        });
-      return;
-    }
-    // What is between the spans is cleared.
-    const double infinity = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i <= spans_.size(); ++i) {
-      const double begin = i == 0 ? -infinity : spans_[i - 1].exit,
-                   end = i == spans_.size() ? infinity : spans_[i].enter;
-      put(step, {begin, end}, from, to, apply, false, [&](bool exit) -> PackedNormal {
-        // At infinity there is no end, and no normal.
-        if (i == (exit ? spans_.size() : 0)) return 0;
-        return packNormal(exit ? spans_[i].enterNormal : spans_[i - 1].exitNormal);
-      });
-    }
-  }
-
- private:
-  void addBall(const Sphere& ball, const Ray& line) {
-    if (const auto in = intersect(ball, line))
-      spans_.push_back({in->enter, in->exit, Vec3(outwardNormal(ball, line.at(in->enter))),
-                        Vec3(outwardNormal(ball, line.at(in->exit)))});
-  }
-
-  template <class Apply, class Normal>
-  static void put(const HistoryStep& step, RayInterval in, float from, float to, const Apply& apply,
-                  bool fills, const Normal& normalAt) {
-    const float enter = std::max(static_cast<float>(in.enter), from),
-                exit = std::min(static_cast<float>(in.exit), to);
-    if (enter < exit) apply(Stretch{enter, exit, fills, step.id}, normalAt);
-  }
-
-  std::vector<SolidSpan> spans_;
-};
-
-// A step, and the lines that it may change.
+// A step, by its number, and the lines that it may change.
 struct PlacedStep {
-  HistoryStep step;
+  std::uint32_t step;
   LineRectangle lines;
 };
 
-// A tile of a band: lines as kernels take them.
+// Some neighbouring lines of some rows, as kernels take them; columns and rows count from the tile's first.
 class Tile {
  public:
-  Tile(const LinesInZone& lines, const Dexels& dexels, int firstRow, int endRow, int firstColumn)
-      : lines_(lines), dexels_(dexels), firstRow_(firstRow), firstColumn_(firstColumn) {
-    endColumn_ = std::min(firstColumn + kTile, lines.family.width);
-    for (int row = firstRow; row < endRow; ++row) fill(row);
+  static constexpr std::size_t kStride = kTile + kPadding;
+
+  Tile(const LinesInZone& lines, const Dexels& dexels, int firstColumn, int firstRow, int rows)
+      : columns_(std::min(kTile, lines.family.width - firstColumn)) {
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < static_cast<int>(kStride); ++column) {
+        const std::size_t at = indexOf(column, row);
+        if (column >= columns_) {
+          from_[at] = kInfinity;
+          to_[at] = -kInfinity;
+          d_[0][at] = 1;
+          continue;
+        }
+        const std::size_t line = dexels.lineAt(firstColumn + column, firstRow + row);
+        from_[at] = lines.from[line];
+        to_[at] = lines.to[line];
+        used_ = used_ || from_[at] < to_[at];
+        const Ray ray = lines.family.line(firstColumn + column, firstRow + row);
+        for (int a = 0; a < 3; ++a) {
+          o_[a][at] = ray.origin[a];
+          d_[a][at] = ray.direction[a];
+        }
+      }
   }
-  [[nodiscard]] int firstColumn() const { return firstColumn_; }
-  [[nodiscard]] int endColumn() const { return endColumn_; }
+  [[nodiscard]] static std::size_t indexOf(int column, int row) {
+    return static_cast<std::size_t>(row) * kStride + static_cast<std::size_t>(column);
+  }
+  [[nodiscard]] int columns() const { return columns_; }
   /// Some line of the tile meets the zone.
   [[nodiscard]] bool isUsed() const { return used_; }
   [[nodiscard]] LineLanes lanes(int column, int row) const {
     const std::size_t at = indexOf(column, row);
     return {{&o_[0][at], &o_[1][at], &o_[2][at]}, {&d_[0][at], &d_[1][at], &d_[2][at]}, &from_[at], &to_[at]};
   }
-  [[nodiscard]] Ray line(int column, int row) const {
+  [[nodiscard]] CutLine line(int column, int row) const {
     const std::size_t at = indexOf(column, row);
-    return {{o_[0][at], o_[1][at], o_[2][at]}, {d_[0][at], d_[1][at], d_[2][at]}};
+    return {{{o_[0][at], o_[1][at], o_[2][at]}, {d_[0][at], d_[1][at], d_[2][at]}}, from_[at], to_[at]};
   }
   [[nodiscard]] float from(int column, int row) const { return from_[indexOf(column, row)]; }
   [[nodiscard]] float to(int column, int row) const { return to_[indexOf(column, row)]; }
 
  private:
-  static constexpr std::size_t kStride = kTile + kPadding;
-  [[nodiscard]] std::size_t indexOf(int column, int row) const {
-    return static_cast<std::size_t>(row - firstRow_) * kStride +
-           static_cast<std::size_t>(column - firstColumn_);
-  }
-  void fill(int row) {
-    for (int i = 0; i < static_cast<int>(kStride); ++i) {
-      const std::size_t at = indexOf(firstColumn_ + i, row);
-      if (firstColumn_ + i >= endColumn_) {
-        from_[at] = kInfinity;
-        to_[at] = -kInfinity;
-        d_[0][at] = 1;
-        continue;
-      }
-      const std::size_t line = dexels_.lineAt(firstColumn_ + i, row);
-      from_[at] = lines_.from[line];
-      to_[at] = lines_.to[line];
-      used_ = used_ || from_[at] < to_[at];
-      const Ray ray = lines_.family.line(firstColumn_ + i, row);
-      for (int a = 0; a < 3; ++a) {
-        o_[a][at] = ray.origin[a];
-        d_[a][at] = ray.direction[a];
-      }
-    }
-  }
-
-  const LinesInZone& lines_;
-  const Dexels& dexels_;
-  int firstRow_, firstColumn_, endColumn_;
+  int columns_;
   bool used_ = false;
   double o_[3][kBand * kStride] = {}, d_[3][kBand * kStride] = {};
   float from_[kBand * kStride], to_[kBand * kStride];
 };
 
-// Steps on the lines of a tile.
+// The lines of a tile under steps, the last one first.
 class TileReplay {
  public:
-  TileReplay(Dexels& dexels, const Tile& tile) : changes_(dexels), tile_(tile) {}
+  TileReplay(std::span<const HistoryStep> steps, const Tile& tile, int rows)
+      : onLine_(steps), tile_(tile), rows_(rows) {
+    several_.fill(~0u);
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < kTile; ++column) {
+        const std::size_t at = Tile::indexOf(column, row);
+        if (tile_.from(column, row) < tile_.to(column, row)) {
+          painters_[at].start(tile_.from(column, row), tile_.to(column, row));
+          ++open_;
+        } else {
+          painters_[at].clear();
+        }
+        note(at);
+      }
+  }
 
-  void apply(const HistoryStep& step, const LineRectangle& lines) {
-    const bool asksAll = step.operation == DexelOperation::Intersection || !step.ball;
-    for (int row = lines.firstRow; row < lines.endRow; ++row)
-      if (asksAll)
-        for (int column = lines.firstColumn; column < lines.endColumn; ++column) applyTo(step, column, row);
+  /// No line has anything left to decide.
+  [[nodiscard]] bool isDone() const { return open_ == 0; }
+
+  /// `part`: columns and rows of the tile.
+  void apply(std::uint32_t step, const LineRectangle& part) {
+    const HistoryStep& what = onLine_.steps()[step];
+    const bool asksEach = what.operation == DexelOperation::Intersection || !what.ball;
+    for (int row = part.firstRow; row < part.endRow; ++row)
+      if (asksEach)
+        for (int column = part.firstColumn; column < part.endColumn; ++column) {
+          const std::size_t at = Tile::indexOf(column, row);
+          if (!(low_[at] < high_[at])) continue;
+          onLine_.paint(step, tile_.line(column, row), painters_[at]);
+          note(at);
+        }
       else
-        applyBall(step, row, lines.firstColumn, lines.endColumn);
+        applyBall(step, *what.ball, row, part);
+  }
+
+  void write(Dexels& dexels, const Dexels* start, int firstColumn, int firstRow) {
+    LineEnds ends, before;
+    for (int row = 0; row < rows_; ++row)
+      for (int column = 0; column < tile_.columns(); ++column) {
+        if (!(tile_.from(column, row) < tile_.to(column, row))) continue;
+        const std::size_t line = dexels.lineAt(firstColumn + column, firstRow + row);
+        if (start) start->read(line, before);
+        onLine_.endsOf(painters_[Tile::indexOf(column, row)], tile_.line(column, row), before, ends);
+        dexels.write(line, ends);
+      }
   }
 
  private:
-  void applyTo(const HistoryStep& step, int column, int row) {
-    const float from = tile_.from(column, row), to = tile_.to(column, row);
-    if (!(from < to)) return;
-    const std::size_t line = changes_.dexels().lineAt(column, row);
-    onLine_(step, tile_.line(column, row), from, to,
-            [&](const Stretch& stretch, const auto& normalAt) { changes_.apply(line, stretch, normalAt); });
+  // Where a painter stands, for kernels.
+  void note(std::size_t at) {
+    const bool wasOpen = low_[at] < high_[at];
+    low_[at] = painters_[at].low();
+    high_[at] = painters_[at].high();
+    if (wasOpen && !(low_[at] < high_[at])) --open_;
   }
 
-  void applyBall(const HistoryStep& step, int row, int begin, int end) {
-    const Sphere& ball = *step.ball;
+  void applyBall(std::uint32_t step, const Sphere& ball, int row, const LineRectangle& part) {
     const double r = static_cast<double>(ball.radius);
     const BallPlace place{static_cast<double>(ball.center.x), static_cast<double>(ball.center.y),
                           static_cast<double>(ball.center.z), r * r};
-    const auto count = static_cast<std::size_t>(end - begin);
-    changes_.kernels().ballOnLines(place, tile_.lanes(begin, row), count, enter_.data(), exit_.data());
-    const bool fills = step.operation == DexelOperation::Union;
-    const std::size_t first = changes_.dexels().lineAt(begin, row);
-    for (std::uint64_t bits = changes_.changed(fills, first, enter_.data(), exit_.data(), count); bits != 0;
-         bits &= bits - 1) {
+    const auto count = static_cast<std::size_t>(part.endColumn - part.firstColumn);
+    const std::size_t first = Tile::indexOf(part.firstColumn, row);
+    kernels_.ballOnLines(place, tile_.lanes(part.firstColumn, row), count, enter_.data(), exit_.data());
+    // What is undecided lies between two depths, so that it may change as if it were one span.
+    const SpanLanes lanes{&low_[first], &high_[first], several_.data(), enter_.data(), exit_.data()};
+    for (std::uint64_t bits = kernels_.changedBySubtraction(lanes, count); bits != 0; bits &= bits - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(bits));
-      changes_.apply(first + i, {enter_[i], exit_[i], fills, step.id}, [&](bool exit) {
-        // The kernel's depth before it was rounded.
-        const Ray line = tile_.line(begin + static_cast<int>(i), row);
-        const auto in = intersect(ball, line);
-        const DVec3 n = outwardNormal(ball, line.at(exit ? in->exit : in->enter));
-        return packNormal(Vec3(fills ? n : -n));
-      });
+      painters_[first + i].paint(enter_[i], exit_[i], step);
+      note(first + i);
     }
   }
 
-  LineChanges changes_;
+  StepsOnLine onLine_;
   const Tile& tile_;
-  StepOnLine onLine_;
+  int rows_;
+  const SpanKernels& kernels_ = spanKernels();
+  std::size_t open_ = 0;
+  std::array<LinePainter, kBand * Tile::kStride> painters_;
+  std::array<float, kBand * Tile::kStride> low_ = {}, high_ = {};
+  std::array<std::uint32_t, kTile + kPadding> several_;  // no line has: kernels ask
   std::array<float, kTile + kPadding> enter_, exit_;
 };
 
@@ -207,24 +186,41 @@ std::vector<HistoryStep> stepsOf(const DexelHistory& history, std::span<const Op
   return steps;
 }
 
-void replayBand(Dexels& dexels, const LinesInZone& lines, std::span<const PlacedStep> steps, int firstRow) {
-  const int endRow = std::min(firstRow + kBand, lines.family.height);
-  std::vector<PlacedStep> here;
-  for (const PlacedStep& placed : steps)
-    if (placed.lines.firstRow < endRow && placed.lines.endRow > firstRow) here.push_back(placed);
-  if (here.empty()) return;
-  for (int column = 0; column < lines.family.width; column += kTile) {
-    const Tile tile(lines, dexels, firstRow, endRow, column);
-    if (!tile.isUsed()) continue;
-    TileReplay replay(dexels, tile);
-    for (const PlacedStep& placed : here) {
-      const LineRectangle part{
-          std::max(placed.lines.firstColumn, column), std::min(placed.lines.endColumn, tile.endColumn()),
-          std::max(placed.lines.firstRow, firstRow), std::min(placed.lines.endRow, endRow)};
-      if (!part.empty()) replay.apply(placed.step, part);
+// Rows of a family under steps.
+class BandReplay {
+ public:
+  BandReplay(const LinesInZone& lines, std::span<const HistoryStep> steps, const Dexels* start)
+      : lines_(lines), steps_(steps), start_(start) {}
+
+  void run(std::span<const PlacedStep> placed, int firstRow, Dexels& dexels) const {
+    const int rows = std::min(kBand, lines_.family.height - firstRow);
+    std::vector<PlacedStep> here;  // the last one first
+    for (std::size_t i = placed.size(); i-- > 0;)
+      if (placed[i].lines.firstRow < firstRow + rows && placed[i].lines.endRow > firstRow)
+        here.push_back(placed[i]);
+    if (here.empty() && !start_) return;
+    for (int column = 0; column < lines_.family.width; column += kTile) {
+      const auto tile = std::make_unique<const Tile>(lines_, dexels, column, firstRow, rows);
+      if (!tile->isUsed()) continue;
+      const auto replay = std::make_unique<TileReplay>(steps_, *tile, rows);
+      for (const PlacedStep& step : here) {
+        const LineRectangle part{std::max(step.lines.firstColumn - column, 0),
+                                 std::min(step.lines.endColumn - column, tile->columns()),
+                                 std::max(step.lines.firstRow - firstRow, 0),
+                                 std::min(step.lines.endRow - firstRow, rows)};
+        if (part.empty()) continue;
+        replay->apply(step.step, part);
+        if (replay->isDone()) break;
+      }
+      replay->write(dexels, start_, column, firstRow);
     }
   }
-}
+
+ private:
+  const LinesInZone& lines_;
+  std::span<const HistoryStep> steps_;
+  const Dexels* start_;
+};
 
 }  // namespace
 
@@ -257,50 +253,25 @@ LinesInZone linesInZone(const LineFamily& family, const Zone& zone, const Execut
   return out;
 }
 
-void replayOn(Dexels& dexels, const DexelHistory& history, std::span<const OperationId> ids,
-              const LinesInZone& lines, const Execution& execution) {
-  RESTROKE_CHECK_EQ(dexels.lineCount(), lines.from.size());
+Dexels replay(const DexelHistory& history, std::span<const OperationId> ids, const LinesInZone& lines,
+              const Execution& execution, const Dexels* start) {
+  Dexels out(lines.family.width, lines.family.height, {.operations = true});
+  RESTROKE_CHECK_EQ(out.lineCount(), lines.from.size());
+  const std::vector<HistoryStep> steps = stepsOf(history, ids);
   const FamilyRaster raster(lines.family);
   std::vector<PlacedStep> placed;
-  for (const HistoryStep& step : stepsOf(history, ids)) {
+  placed.reserve(steps.size());
+  for (std::uint32_t i = 0; i < steps.size(); ++i) {
+    const HistoryStep& step = steps[i];
     const LineRectangle rectangle = step.operation == DexelOperation::Intersection ? raster.whole()
                                     : step.ball                                    ? raster.of(*step.ball)
                                                 : raster.of(step.solid->bounds());
-    if (!rectangle.empty()) placed.push_back({step, rectangle});
+    if (!rectangle.empty()) placed.push_back({i, rectangle});
   }
+  const BandReplay replay(lines, steps, start);
   const int bands = (lines.family.height + kBand - 1) / kBand;
   inArena(execution,
-          [&] { tbb::parallel_for(0, bands, [&](int b) { replayBand(dexels, lines, placed, b * kBand); }); });
-}
-
-void closeAtBorders(Dexels& dexels, const LinesInZone& lines) {
-  LineEnds ends;
-  for (int row = 0; row < lines.family.height; ++row)
-    for (int column = 0; column < lines.family.width; ++column) {
-      const std::size_t line = dexels.lineAt(column, row);
-      if (dexels.isEmpty(line)) continue;
-      const Dexels::Hulls hulls = dexels.hulls();
-      const bool first = hulls.enter[line] == lines.from[line], last = hulls.exit[line] == lines.to[line];
-      if (!first && !last) continue;
-      const Vec3 along(lines.family.line(column, row).direction);
-      dexels.read(line, ends);
-      if (first) {
-        ends.front().normal = packNormal(-along);
-        ends.front().outer = OperationId::None;
-      }
-      if (last) {
-        ends.back().normal = packNormal(along);
-        ends.back().outer = OperationId::None;
-      }
-      dexels.write(line, ends);
-    }
-}
-
-Dexels replay(const DexelHistory& history, std::span<const OperationId> ids, const LinesInZone& lines,
-              const Execution& execution) {
-  Dexels out(lines.family.width, lines.family.height, {.operations = true});
-  replayOn(out, history, ids, lines, execution);
-  closeAtBorders(out, lines);
+          [&] { tbb::parallel_for(0, bands, [&](int b) { replay.run(placed, b * kBand, out); }); });
   return out;
 }
 
@@ -310,23 +281,21 @@ Dexels replayPlainly(const DexelHistory& history, std::span<const OperationId> i
   const std::vector<HistoryStep> steps = stepsOf(history, ids);
   inArena(execution, [&] {
     tbb::parallel_for(0, lines.family.height, [&](int row) {
-      StepOnLine onLine;
+      StepsOnLine onLine(steps);
+      LinePainter painter;
       LineEnds ends;
       for (int column = 0; column < lines.family.width; ++column) {
-        const std::size_t line = out.lineAt(column, row);
-        const float from = lines.from[line], to = lines.to[line];
-        if (!(from < to)) continue;
-        const Ray ray = lines.family.line(column, row);
-        ends.clear();
-        for (const HistoryStep& step : steps)
-          onLine(step, ray, from, to, [&](const Stretch& s, const auto& normalAt) {
-            changeLine(ends, {s.enter, s.exit, normalAt(false), normalAt(true)}, s.fills, s.id);
-          });
-        out.write(line, ends);
+        const std::size_t at = out.lineAt(column, row);
+        if (!(lines.from[at] < lines.to[at])) continue;
+        const CutLine line{lines.family.line(column, row), lines.from[at], lines.to[at]};
+        painter.start(line.from, line.to);
+        for (auto step = static_cast<std::uint32_t>(steps.size()); step-- > 0;)
+          onLine.paint(step, line, painter);
+        onLine.endsOf(painter, line, {}, ends);
+        out.write(at, ends);
       }
     });
   });
-  closeAtBorders(out, lines);
   return out;
 }
 

@@ -11,7 +11,7 @@
 
 namespace restroke::points {
 
-/// A family of lines, each cut to where it is in a zone: to depths from[line] <= to[line], or, where it
+/// A family of lines, each cut to where it is in a zone: to depths from[line] < to[line], or, where it
 /// misses the zone, from = +infinity and to = -infinity. By rows, as Dexels::lineAt has it.
 struct LinesInZone {
   LineFamily family;
@@ -23,25 +23,25 @@ struct LinesInZone {
                                       const Execution& execution = {});
 
 /// What the lines hold after the operations `ids` (ascending, each once; Initial stands for the initial
-/// solid), which are replayed in order, each cut to the zone first. So nothing beyond the zone matters, the
-/// references of ends included: with all operations that meet the zone the result is that of all operations,
-/// bit for bit.
+/// solid). Each counts where it is in the zone, so that nothing beyond it matters: with all operations that
+/// meet the zone the result is that of all operations, bit for bit.
 ///
-/// Ends are those of change_line.h; where the solid goes on beyond the zone there is an end at its border:
-/// the normal along the line, the flag clear, `outer` None. The same bits for any number of threads.
-/// O(lines that the operations' bounds meet, on the family's raster).
+/// The operations are replayed from the last to the first, each on what none after it has filled or cleared
+/// (SPEC S4): what is hidden costs next to nothing, and a line is done when all of it is decided. A place
+/// that no operation decides is what `start` has there (of the family's size, its ends known by depth and
+/// normal); without, it is outside.
+///
+/// Of each end `inner` and `outer` are the operations that decide what is right before and behind it (None:
+/// the start, or none), and the normal is that of the later one; the flag is set where that is not the
+/// initial solid. Where the solid goes on beyond the zone there is an end at its border: the normal along the
+/// line, the flag clear, `outer` None. Depths are the exact intervals of the operations' solids, in double,
+/// rounded once. The same bits for any number of threads. O(lines that the operations' bounds meet on the
+/// family's raster, as long as they are not decided).
 [[nodiscard]] Dexels replay(const DexelHistory& history, std::span<const OperationId> ids,
-                            const LinesInZone& lines, const Execution& execution = {});
+                            const LinesInZone& lines, const Execution& execution = {},
+                            const Dexels* start = nullptr);
 
-/// The same on lines that already hold something: `dexels` (of the family's size, cut to the zone) is changed
-/// in place. Borders are left as the operations make them: closeAtBorders when all is done.
-void replayOn(Dexels& dexels, const DexelHistory& history, std::span<const OperationId> ids,
-              const LinesInZone& lines, const Execution& execution = {});
-
-/// Ends at the borders of the zone, as replay promises them. O(lines).
-void closeAtBorders(Dexels& dexels, const LinesInZone& lines);
-
-/// The same result as replay by its definition: each line asks each operation. O(lines x operations).
+/// The same result by its definition: each line asks each operation. O(lines x operations).
 [[nodiscard]] Dexels replayPlainly(const DexelHistory& history, std::span<const OperationId> ids,
                                    const LinesInZone& lines, const Execution& execution = {});
 

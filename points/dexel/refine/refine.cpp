@@ -168,11 +168,9 @@ class Refinement {
 
   [[nodiscard]] Dexels replayed(const LinesInZone& lines, const ModelCells* cells,
                                 const Execution& execution) {
-    Dexels dexels = empty(lines);
-    timed(out_.times.replay, [&] { replayOn(dexels, history_, out_.ids, lines, execution); });
+    Dexels dexels = timed(out_.times.replay, [&] { return replay(history_, out_.ids, lines, execution); });
     if (cells)
       timed(out_.times.approximate, [&] { applyCells(dexels, lines, *cells, CellRule::Correct, execution); });
-    timed(out_.times.replay, [&] { closeAtBorders(dexels, lines); });
     return dexels;
   }
 
@@ -180,42 +178,36 @@ class Refinement {
                                   const Execution& execution) {
     const Sorts sorts = sortsOf(document_, out_.ids);
     const bool upper = sorts.removes && !sorts.adds;
-    Dexels dexels = empty(lines);
+    Dexels start = empty(lines);
     timed(out_.times.approximate, [&] {
-      applyCells(dexels, lines, cells, upper ? CellRule::FillAllButEmpty : CellRule::FillFull, execution);
+      applyCells(start, lines, cells, upper ? CellRule::FillAllButEmpty : CellRule::FillFull, execution);
     });
-    timed(out_.times.replay, [&] {
+    return timed(out_.times.replay, [&] {
       std::span<const OperationId> ids = out_.ids;
-      const bool initial = !ids.empty() && ids.front() == OperationId::Initial;
-      if (initial && upper) {
+      if (upper && !ids.empty() && ids.front() == OperationId::Initial) {
         // Of the upper approximation only what the initial solid holds.
-        Dexels solid = empty(lines);
-        replayOn(solid, history_, ids.first(1), lines, execution);
-        intersect(dexels, solid);
+        start = both(start, replay(history_, ids.first(1), lines, execution));
         ids = ids.subspan(1);
       }
-      replayOn(dexels, history_, ids, lines, execution);
-      closeAtBorders(dexels, lines);
+      return replay(history_, ids, lines, execution, &start);
     });
-    return dexels;
   }
 
-  // Keeps what both have; where the second one ends, its end stays.
-  static void intersect(Dexels& dexels, const Dexels& kept) {
-    LineEnds own, others;
+  // What is in both; where the second one ends, its ends stay.
+  [[nodiscard]] static Dexels both(const Dexels& approximation, Dexels solid) {
+    LineEnds rough, ends;
     std::vector<ToolSpan> spans;
-    for (std::size_t line = 0; line < dexels.lineCount(); ++line) {
-      if (dexels.isEmpty(line)) continue;
-      dexels.read(line, own);
-      kept.read(line, others);
-      // What is kept, less what the approximation lacks.
+    for (std::size_t line = 0; line < solid.lineCount(); ++line) {
+      if (solid.isEmpty(line)) continue;
+      approximation.read(line, rough);
+      solid.read(line, ends);
       spans.clear();
-      for (std::size_t i = 0; i < own.size(); i += 2)
-        spans.push_back(
-            {own[i].depth, own[i + 1].depth, own[i].normal & ~kPackedFlag, own[i + 1].normal & ~kPackedFlag});
-      applyToLine(others, spans, DexelOperation::Intersection, OperationId::None);
-      dexels.write(line, others);
+      for (std::size_t i = 0; i < rough.size(); i += 2)
+        spans.push_back({rough[i].depth, rough[i + 1].depth, rough[i].normal & ~kPackedFlag,
+                         rough[i + 1].normal & ~kPackedFlag});
+      if (applyToLine(ends, spans, DexelOperation::Intersection, OperationId::None)) solid.write(line, ends);
     }
+    return solid;
   }
 
   const TriDexelDocument& document_;
