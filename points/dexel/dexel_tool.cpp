@@ -86,18 +86,23 @@ class FamilyUnderTool {
           for (const ToolSpan& span : found.spans) applySpan(line, span, fills, step.id);
         } else if (!dexels_.isEmpty(line)) {
           dexels_.read(line, ends);
-          if (applyToLine(ends, found.spans, step.operation, step.id)) dexels_.write(line, ends);
+          if (applyToLine(ends, found.spans, step.operation, step.id)) {
+            dexels_.write(line, ends);
+            if (dexels_.keepsHistory()) dexels_.noteChange(line, step.id);
+          }
         }
       }
   }
 
   // What the tool's box does not meet is not in the tool.
-  void clearBeyond(int row) {
+  void clearBeyond(int row, OperationId id) {
     const bool isMet = row >= rows_.begin && row < rows_.end;
     for (int column = 0; column < dexels_.width(); ++column) {
       if (isMet && column >= columns_.begin && column < columns_.end) continue;
-      if (const std::size_t line = dexels_.lineAt(column, row); !dexels_.isEmpty(line))
+      if (const std::size_t line = dexels_.lineAt(column, row); !dexels_.isEmpty(line)) {
         dexels_.write(line, {});
+        if (dexels_.keepsHistory()) dexels_.noteChange(line, id);
+      }
     }
   }
 
@@ -131,7 +136,7 @@ void applyToFamilies(TriDexel& model, const ToolInPlace& tool, const ToolStep& s
     FamilyUnderTool family(dexels, model.grid(), axis, tool);
     forEach(family.bandCount(), [&](int band) { family.applyBand(band, step); });
     if (step.operation == DexelOperation::Intersection)
-      forEach(dexels.height(), [&](int row) { family.clearBeyond(row); });
+      forEach(dexels.height(), [&](int row) { family.clearBeyond(row, step.id); });
   });
 }
 

@@ -42,6 +42,7 @@ Dexels::Dexels(int width, int height, Options options) : width_(width), height_(
   if (options.operations)
     for (auto& of : operations_) of.assign(lines, OperationId::None);
   rows_.resize(static_cast<std::size_t>(height));
+  if (options.history) startHistory();
 }
 
 std::span<const SpanEnd> Dexels::severalOf(std::size_t line) const {
@@ -197,7 +198,12 @@ class Dexels::FewEnds {
 };
 
 bool Dexels::change(std::size_t line, const ToolSpan& span, bool fills, OperationId id) {
-  if (!keepsOperations()) id = OperationId::None;
+  if (!changeEnds(line, span, fills, keepsOperations() ? id : OperationId::None)) return false;
+  if (keepsHistory()) noteChange(line, id);
+  return true;
+}
+
+bool Dexels::changeEnds(std::size_t line, const ToolSpan& span, bool fills, OperationId id) {
   if (hasMore(line)) return changeStretch(Ends(*this, line), span, fills, id);
   FewEnds ends(*this, line);
   if (!changeStretch(ends, span, fills, id)) return false;
@@ -236,7 +242,7 @@ double Dexels::totalLength() const {
 
 std::size_t Dexels::bytes() const {
   std::size_t bytes = bytesOf(enter_) + bytesOf(exit_) + bytesOf(enterNormal_) + bytesOf(exitNormal_) +
-                      bytesOf(more_) + bytesOf(rows_);
+                      bytesOf(more_) + bytesOf(rows_) + histories_.bytes();
   for (const auto& of : operations_) bytes += bytesOf(of);
   for (const Row& row : rows_) {
     bytes += bytesOf(row.pool) + bytesOf(row.free);

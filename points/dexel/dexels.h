@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "points/dexel/line_histories.h"
 #include "points/dexel/span_end.h"
 
 namespace restroke::points {
@@ -15,12 +17,15 @@ namespace restroke::points {
 ///
 /// The first span of each line is held in arrays over all lines, so that kernels can compare many at a time;
 /// the few others of a row are in a pool of that row. 36 bytes a line (20 without operations), and 16 for
-/// each end beyond the first two. Different rows may be changed by different threads.
+/// each end beyond the first two; with histories 4 more a line, and 8 for each operation that changed it.
+/// Different rows may be changed by different threads.
 class Dexels {
  public:
   struct Options {
     /// Keeps SpanEnd::inner and outer; without, they read as None.
     bool operations = true;
+    /// Keeps every operation that ever changed a line (SPEC R2b).
+    bool history = false;
   };
   /// All lines empty. width, height >= 0.
   Dexels(int width, int height, Options options);
@@ -44,8 +49,26 @@ class Dexels {
   void read(std::size_t line, LineEnds& ends) const;
   /// An even number of ends, strictly ascending in depth, finite.
   void write(std::size_t line, std::span<const SpanEnd> ends);
-  /// changeLine (span_end.h), in place.
+  /// changeLine (span_end.h), in place; a change is noted where histories are kept.
   bool change(std::size_t line, const ToolSpan& span, bool fills, OperationId id);
+
+  [[nodiscard]] bool keepsHistory() const { return histories_.areKept(); }
+  /// Keeps histories from now on; what they held is forgotten. O(lines).
+  void startHistory() { histories_ = LineHistories(width_, height_); }
+  /// For those who change lines by `write` or `hulls`: the operation has changed the line. The initial solid
+  /// is not noted, as it is part of every line's past; nor is None. Histories must be kept. O(1) where a
+  /// line's operations come in ascending order.
+  void noteChange(std::size_t line, OperationId id) { histories_.note(line, id); }
+  /// Appends every operation that ever changed the line, ascending, each once: an operation that left the
+  /// line as it was is not among them. Histories must be kept. O(those).
+  void changesOf(std::size_t line, std::vector<OperationId>& ids) const { histories_.appendOf(line, ids); }
+  /// The histories of another container, whose first line is this one's at `column` and `row`, come to those
+  /// lines. Both keep them.
+  void takeHistory(Dexels& other, int column, int row) {
+    histories_.takeOver(std::move(other.histories_), column, row);
+  }
+  /// For their size; empty where none are kept.
+  [[nodiscard]] const LineHistories& histories() const { return histories_; }
   /// Is the depth in a span of the line, ends included? O(spans).
   [[nodiscard]] bool contains(std::size_t line, float depth) const;
 
@@ -55,7 +78,7 @@ class Dexels {
   [[nodiscard]] double totalLength() const;
   /// Bytes held, from the containers' capacity.
   [[nodiscard]] std::size_t bytes() const;
-  /// Same lines with the same ends, bit for bit.
+  /// Same lines with the same ends, bit for bit. Histories are not compared.
   bool operator==(const Dexels& other) const;
 
   /// For kernels, line by line: its span; of a line with several, from the first entry to the last exit, and
@@ -91,6 +114,7 @@ class Dexels {
   };
   class Ends;
   class FewEnds;
+  bool changeEnds(std::size_t line, const ToolSpan& span, bool fills, OperationId id);
   [[nodiscard]] Row& rowOf(std::size_t line) { return rows_[line / static_cast<std::size_t>(width_)]; }
   [[nodiscard]] std::span<const SpanEnd> severalOf(std::size_t line) const;
   [[nodiscard]] SpanEnd endOf(std::size_t line, bool exit) const;
@@ -104,6 +128,7 @@ class Dexels {
   std::vector<OperationId> operations_[4];  // enter: inner, outer; exit: inner, outer
   std::vector<std::uint32_t> more_;
   std::vector<Row> rows_;
+  LineHistories histories_;
 };
 
 }  // namespace restroke::points

@@ -25,7 +25,8 @@ class LineChanges {
   static constexpr std::size_t kLanes = SpanKernels::kLanes;
   static constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-  explicit LineChanges(Dexels& dexels) : dexels_(dexels), hulls_(dexels.hulls()) {}
+  explicit LineChanges(Dexels& dexels)
+      : dexels_(dexels), hulls_(dexels.hulls()), notes_(dexels.keepsHistory()) {}
 
   [[nodiscard]] Dexels& dexels() const { return dexels_; }
   [[nodiscard]] const Dexels::Hulls& hulls() const { return hulls_; }
@@ -39,12 +40,19 @@ class LineChanges {
     return fills ? kernels_.changedByUnion(lanes, count) : kernels_.changedBySubtraction(lanes, count);
   }
 
-  /// Fills or clears a stretch; `normalAt(exit)` makes the normal that the solid gets at its beginning or
-  /// end, when it is needed.
+  /// Fills or clears a stretch, and notes it where histories are kept; `normalAt(exit)` makes the normal that
+  /// the solid gets at its beginning or end, when it is needed.
   template <class F>
   void apply(std::size_t line, const Stretch& s, const F& normalAt) {
-    if (!dexels_.hasMore(line) && (s.fills ? fillOne(line, s, normalAt) : clearOne(line, s, normalAt)))
-      return;
+    if (!dexels_.hasMore(line)) {
+      const float enter = hulls_.enter[line], exit = hulls_.exit[line];
+      if (s.fills ? fillOne(line, s, normalAt) : clearOne(line, s, normalAt)) {
+        // Whatever changes moves an end.
+        if (notes_ && (enter != hulls_.enter[line] || exit != hulls_.exit[line]))
+          dexels_.noteChange(line, s.id);
+        return;
+      }
+    }
     dexels_.change(line, {s.enter, s.exit, normalAt(false), normalAt(true)}, s.fills, s.id);
   }
 
@@ -98,6 +106,7 @@ class LineChanges {
 
   Dexels& dexels_;
   Dexels::Hulls hulls_;
+  bool notes_;
   const SpanKernels& kernels_ = spanKernels();
 };
 

@@ -320,8 +320,9 @@ void TriDexel::growTo(const Box& bounds) {
   if (grown == grid_) return;
   LineEnds ends;
   for (int axis = 0; axis < 3; ++axis) {
-    const Dexels old = std::move(family(axis));
-    Dexels& fresh = family(axis) = Dexels(grown.width(axis), grown.height(axis), {old.keepsOperations()});
+    Dexels old = std::move(family(axis));
+    Dexels& fresh = family(axis) =
+        Dexels(grown.width(axis), grown.height(axis), {old.keepsOperations(), old.keepsHistory()});
     const int right = before[static_cast<std::size_t>((axis + 1) % 3)],
               down = before[static_cast<std::size_t>((axis + 2) % 3)];
     for (int row = 0; row < old.height(); ++row)
@@ -329,6 +330,7 @@ void TriDexel::growTo(const Box& bounds) {
         old.read(old.lineAt(column, row), ends);
         if (!ends.empty()) fresh.write(fresh.lineAt(column + right, row + down), ends);
       }
+    if (old.keepsHistory()) fresh.takeHistory(old, right, down);
   }
   grid_ = grown;
   findCoordinates();
@@ -388,6 +390,15 @@ std::size_t TriDexel::bytes() const {
   return bytes;
 }
 
+TriDexel::HistorySize TriDexel::historySize() const {
+  HistorySize size;
+  for (const Dexels& dexels : families_) {
+    size.entries += dexels.histories().entryCount();
+    size.bytes += dexels.histories().bytes();
+  }
+  return size;
+}
+
 std::uint64_t TriDexel::stateHash() const {
   // What is hashed as it lies in memory has no gaps.
   struct Key {
@@ -417,13 +428,13 @@ std::uint64_t TriDexel::stateHash() const {
   return XXH3_64bits_digest(state.get());
 }
 
-TriDexel triDexelOf(const implicit::PrimitiveList& list, const DexelGrid& grid, implicit::Prefix prefix,
-                    const Execution& execution) {
+TriDexel triDexelOf(const implicit::PrimitiveList& list, const DexelGrid& grid,
+                    const ListDexelOptions& options, const Execution& execution) {
   std::vector<Primitive> primitives;
-  const std::size_t count = std::min(prefix.count, list.size());
+  const std::size_t count = std::min(options.prefix.count, list.size());
   primitives.reserve(count);
   for (std::size_t i = 0; i < count; ++i) primitives.push_back(list.at(i));
-  TriDexel out(grid);
+  TriDexel out(grid, options.lines);
   out.apply(primitives, OperationId::Initial, execution);
   return out;
 }

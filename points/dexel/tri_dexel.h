@@ -39,6 +39,18 @@ class TriDexel {
   void apply(const TriDexel& other, DexelOperation operation, OperationId id,
              const Execution& execution = {});
 
+  /// Keeps histories of all lines from now on (Dexels::startHistory). O(lines).
+  void startHistory() {
+    for (Dexels& dexels : families_) dexels.startHistory();
+  }
+  [[nodiscard]] bool keepsHistory() const { return families_[0].keepsHistory(); }
+  /// What the histories hold: operations noted on all lines, and bytes, which bytes() counts too. 0 where
+  /// none are kept. O(rows).
+  struct HistorySize {
+    std::size_t entries = 0, bytes = 0;
+  };
+  [[nodiscard]] HistorySize historySize() const;
+
   /// Adds empty lines on all sides until `bounds` is covered. What is there stays. Throws InputError as
   /// DexelGrid::grownTo, and then nothing has changed. O(lines) if there are any.
   void growTo(const Box& bounds);
@@ -56,7 +68,7 @@ class TriDexel {
   /// Of the lines that have ends, by how far they are from the grid's anchor, and of all their ends: a model
   /// whose grid has grown, and is empty there, has the hash that it had. O(lines).
   [[nodiscard]] std::uint64_t stateHash() const;
-  /// Same lines, same ends, bit for bit.
+  /// Same lines, same ends, bit for bit; histories are not compared.
   bool operator==(const TriDexel& other) const {
     return grid_ == other.grid_ && families_ == other.families_;
   }
@@ -69,9 +81,14 @@ class TriDexel {
   std::array<std::vector<float>, 3> coordinates_;  // of the grid, and some more for kernels to read
 };
 
+struct ListDexelOptions {
+  implicit::Prefix prefix = {};
+  Dexels::Options lines = {};
+};
+
 /// The tri-dexel of (a prefix of) a list, analytically: from the exact intervals of each primitive on each
 /// line, in list order (SPEC S2). The operation of a primitive is its position.
 [[nodiscard]] TriDexel triDexelOf(const implicit::PrimitiveList& list, const DexelGrid& grid,
-                                  implicit::Prefix prefix = {}, const Execution& execution = {});
+                                  const ListDexelOptions& options = {}, const Execution& execution = {});
 
 }  // namespace restroke::points

@@ -81,7 +81,8 @@ TriDexelDocument ofMesh(const DexelBuildOptions& o, MeshNotes& notes) {
                              describe(made.lines.overlapping)));
   notes.json["repaired"] = made.repaired != points::Repaired::Way::None;
   notes.json["overlapping_lines"] = made.lines.overlapping.count();
-  TriDexelDocument document{.initial = std::move(made.solid), .tools = {}, .operations = {}, .model = {}};
+  TriDexelDocument document;
+  document.initial = std::move(made.solid);
   document.model = o.device == "opengl"
                        ? drawn(std::get<TriangleMesh>(document.initial), made.model.grid(), o.source)
                        : std::move(made.model);

@@ -72,6 +72,10 @@ void GlTriDexel::Implementation::clear(GlBand& band) {
 
 void GlTriDexel::Implementation::upload(const TriDexel& model) {
   RESTROKE_CHECK_EQ(grid_ == model.grid(), true);
+  if (model.keepsHistory())
+    throw InputError(
+        "OpenGL: the model keeps which operations changed its lines, and OpenGL does not note them; it must "
+        "be changed on the CPU");
   const Use use(*state_);
   operations_ = model.family(0).keepsOperations();
   std::vector<GLuint> offsets;

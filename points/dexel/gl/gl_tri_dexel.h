@@ -110,7 +110,8 @@ class GlTriDexel {
   GlTriDexel& operator=(GlTriDexel&&) noexcept;
 
   [[nodiscard]] const DexelGrid& grid() const;
-  /// Becomes the model, whose grid must be this one's (InternalError). O(lines + ends).
+  /// Becomes the model, whose grid must be this one's (InternalError). Throws InputError for a model that
+  /// keeps histories of its lines: nothing here would note what changes them. O(lines + ends).
   void upload(const TriDexel& model);
   /// The same ends as were uploaded, bit for bit; with the operations of the ends, unless the model that was
   /// uploaded kept none. O(lines + ends).
