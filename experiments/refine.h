@@ -42,6 +42,7 @@
 
 #include "experiments/refine/growth.h"
 #include "experiments/refine/loss.h"
+#include "experiments/refine/pictures.h"
 
 
 namespace restroke::experiments {

@@ -187,23 +187,23 @@ Differences differencesOf(const Reference& reference, const RefinedModel& judged
   // Ends that both have are at no distance: only the others are looked up.
   std::vector<Surfel> allOfReference, allOfJudged, lost, added;
   std::vector<WrongStretch> stretches;
-  forPairs(reference.model(), judged,
-           [&](std::size_t family, std::size_t line, int column, int row, const LineEnds& a,
-               const LineEnds& b) {
-             findWrongStretches(a, b, stretches);
-             for (const WrongStretch& s : stretches)
-               (s.extra ? out.extra : out.missing) += static_cast<double>(s.to) - static_cast<double>(s.from);
-             const auto collect = [&](const LineEnds& ends, const LineEnds& others, std::vector<Surfel>& all,
-                                      std::vector<Surfel>& alone) {
-               for (std::size_t i = 0; i < ends.size(); ++i) {
-                 if (isAtBorder(reference.model().families[family].lines, line, ends[i].depth)) continue;
-                 all.push_back(surfelAt(reference.model(), family, column, row, ends[i]));
-                 if (!has(others, ends[i], i % 2 == 1)) alone.push_back(all.back());
-               }
-             };
-             collect(a, b, allOfReference, lost);
-             collect(b, a, allOfJudged, added);
-           });
+  forPairs(
+      reference.model(), judged,
+      [&](std::size_t family, std::size_t line, int column, int row, const LineEnds& a, const LineEnds& b) {
+        findWrongStretches(a, b, stretches);
+        for (const WrongStretch& s : stretches)
+          (s.extra ? out.extra : out.missing) += static_cast<double>(s.to) - static_cast<double>(s.from);
+        const auto collect = [&](const LineEnds& ends, const LineEnds& others, std::vector<Surfel>& all,
+                                 std::vector<Surfel>& alone) {
+          for (std::size_t i = 0; i < ends.size(); ++i) {
+            if (isAtBorder(reference.model().families[family].lines, line, ends[i].depth)) continue;
+            all.push_back(surfelAt(reference.model(), family, column, row, ends[i]));
+            if (!has(others, ends[i], i % 2 == 1)) alone.push_back(all.back());
+          }
+        };
+        collect(a, b, allOfReference, lost);
+        collect(b, a, allOfJudged, added);
+      });
   out.toJudged = farthest(lost, allOfJudged, execution);
   out.toReference = farthest(added, allOfReference, execution);
   return out;
@@ -212,28 +212,26 @@ Differences differencesOf(const Reference& reference, const RefinedModel& judged
 std::vector<MarkedEnd> markedEnds(const Reference& reference, const RefinedModel& judged) {
   std::vector<MarkedEnd> out;
   std::vector<WrongStretch> stretches;
-  forPairs(reference.model(), judged,
-           [&](std::size_t family, std::size_t, int column, int row, const LineEnds& a, const LineEnds& b) {
-             findWrongStretches(a, b, stretches);
-             const DVec3 along = judged.families[family].lines.family.line(column, row).direction;
-             const auto mark = [&](const SpanEnd& end, bool ofReference) {
-               const auto bounds = [&](const WrongStretch& s) {
-                 return s.from == end.depth || s.to == end.depth;
-               };
-               const auto wrong = std::ranges::find_if(stretches, bounds);
-               const EndKind kind = wrong == stretches.end() ? EndKind::Right
-                                    : wrong->extra           ? EndKind::Extra
-                                                             : EndKind::Missing;
-               if (ofReference && kind != EndKind::Missing) return;
-               const MarkedEnd marked{surfelAt(judged, family, column, row, end), kind};
-               if (judged.families.size() > 1 &&
-                   std::fabs(dot(DVec3(marked.surfel.normal), along)) < kLeastCosine)
-                 return;
-               out.push_back(marked);
-             };
-             for (const SpanEnd& end : b) mark(end, false);
-             for (const SpanEnd& end : a) mark(end, true);
-           });
+  forPairs(
+      reference.model(), judged,
+      [&](std::size_t family, std::size_t, int column, int row, const LineEnds& a, const LineEnds& b) {
+        findWrongStretches(a, b, stretches);
+        const DVec3 along = judged.families[family].lines.family.line(column, row).direction;
+        const auto mark = [&](const SpanEnd& end, bool ofReference) {
+          const auto bounds = [&](const WrongStretch& s) { return s.from == end.depth || s.to == end.depth; };
+          const auto wrong = std::ranges::find_if(stretches, bounds);
+          const EndKind kind = wrong == stretches.end() ? EndKind::Right
+                               : wrong->extra           ? EndKind::Extra
+                                                        : EndKind::Missing;
+          if (ofReference && kind != EndKind::Missing) return;
+          const MarkedEnd marked{surfelAt(judged, family, column, row, end), kind};
+          if (judged.families.size() > 1 && std::fabs(dot(DVec3(marked.surfel.normal), along)) < kLeastCosine)
+            return;
+          out.push_back(marked);
+        };
+        for (const SpanEnd& end : b) mark(end, false);
+        for (const SpanEnd& end : a) mark(end, true);
+      });
   return out;
 }
 

@@ -29,8 +29,8 @@ struct VisibleOperation {
   std::size_t sides = 0;  ///< ends at which it is on either side
 };
 
-/// What all methods are compared with: the ends of the whole history on the new lines. The initial solid is no
-/// operation, and ends at the zone's border, where the solid goes on, are none that an operation made.
+/// What all methods are compared with: the ends of the whole history on the new lines. The initial solid is
+/// no operation, and ends at the zone's border, where the solid goes on, are none that an operation made.
 class Reference {
  public:
   explicit Reference(points::RefinedModel model);

@@ -23,8 +23,8 @@ using points::RefineMethod;
 constexpr DVec3 kMiddle{0.4, 0.55, 0.45};
 // What is near the zone: wider than any method looks, which is two cells of the model.
 constexpr double kNear = 0.03;
-// Ends at which an operation shows, and histories of lines, need memory for a number.
-constexpr double kBytesOfChange = 4;
+// What the history of a line takes for each operation that changed it.
+constexpr double kBytesOfChange = 8;
 
 template <class F>
 double secondsOf(const F& f) {
@@ -63,10 +63,11 @@ class Size {
     make(growth, operations, seed, notes);
     const points::Zone zone = zoneAt(unitCube(), options_.part, kMiddle);
     const auto lines = newLines(zone, {.resolution = options_.fineLines});
-    const Reference reference(refine(document_, *history_, zone, lines, {.method = RefineMethod::All}, execution_));
+    const Reference reference(
+        refine(document_, *history_, zone, lines, {.method = RefineMethod::All}, execution_));
     model_.ids = reference.model().ids.size();
     model_.endsInZone = reference.ends();
-    repeat(zone, lines, reference);
+    repeat(zone, reference);
     std::vector<GrowthRow> rows;
     const std::vector<double>& ends = totals_.at(endsAt());
     for (std::size_t k = 0; k < rows_.size(); ++k) {
@@ -96,18 +97,20 @@ class Size {
   void make(Growth growth, std::size_t operations, std::uint64_t seed, std::vector<std::string>& notes) {
     const points::Zone zone = zoneAt(unitCube(), options_.part, kMiddle);
     const RefineHistory made = grownHistory(growth, operations, zone.widened(kNear).bounds(), seed);
-    model_.modelSeconds = secondsOf(
-        [&] { document_ = documentOf(made, options_.resolution, Kept::References, execution_); });
+    model_.modelSeconds =
+        secondsOf([&] { document_ = documentOf(made, options_.resolution, Kept::References, execution_); });
     model_.modelBytes = document_.model.bytes();
     const double expected = expectedHistoryBytes(made, document_.model.grid().cell());
     keepsHistories_ = expected <= options_.mostHistoryBytes;
     if (keepsHistories_) {
-      document_ = documentOf(made, options_.resolution, Kept::Histories, execution_);
+      model_.historyModelSeconds =
+          secondsOf([&] { document_ = documentOf(made, options_.resolution, Kept::Histories, execution_); });
       model_.historyModelBytes = document_.model.bytes();
     } else {
-      notes.push_back(fmt::format(
-          "{}, {} operations: the histories of the lines would take about {:.1f} GB, so touching was not timed",
-          nameOf(growth), grouped(operations), expected * 1e-9));
+      notes.push_back(
+          fmt::format("{}, {} operations: the histories of the lines would take about {:.1f} GB, so touching "
+                      "was not timed",
+                      nameOf(growth), grouped(operations), expected * 1e-9));
     }
     model_.historySeconds =
         secondsOf([&] { history_ = std::make_unique<points::DexelHistory>(document_, execution_); });
@@ -115,29 +118,73 @@ class Size {
     model_.clusterSeconds = secondsOf([&] { history_->makeClusters(); });
   }
 
-  void repeat(const points::Zone& zone, const std::vector<points::LineFamily>& lines,
-              const Reference& reference) {
+  /// Lines along the zone's side, where each line asks each operation.
+  [[nodiscard]] int linesFor(const TimedMethod& method) const {
+    int lines = options_.fineLines;
+    const auto operations = static_cast<double>(method.byBounds ? model_.ids : model_.operations);
+    while (method.asksEach() && lines > 8 && 3.0 * lines * lines * operations > options_.plainMost)
+      lines /= 2;
+    return lines;
+  }
+
+  void repeat(const points::Zone& zone, const Reference& reference) {
     const auto& methods = timedMethods();
     rows_.assign(methods.size(), model_);
     totals_.assign(methods.size(), {});
     collect_ = approximate_ = replay_ = totals_;
-    double plain = 0;
+    std::vector<double> spent(methods.size());
     for (int turn = 0; turn < options_.repeats; ++turn)
       for (std::size_t k = 0; k < methods.size(); ++k) {
-        const points::RefineOptions& how = methods[k].options;
-        if (how.method == RefineMethod::Touching && !keepsHistories_) continue;
-        // As often as its time lasts: after n turns the next one would take a further n-th.
-        if (how.plain && turn > 0 && plain * (turn + 1) / turn > options_.plainSeconds) continue;
+        const TimedMethod& method = methods[k];
+        if (method.options.method == RefineMethod::Touching && !keepsHistories_) continue;
+        // After n turns the next one takes about a further n-th.
+        if (method.asksEach() && turn > 0 && spent[k] * (turn + 1) / turn > options_.plainSeconds) continue;
+        const auto lines = newLines(zone, {.resolution = linesFor(method)});
+        const double scale = countOf(reference.model()) / countOf(lines);
         RefinedModel refined;
-        const double seconds =
-            secondsOf([&] { refined = refine(document_, *history_, zone, lines, how, execution_); });
-        if (how.plain) plain += seconds;
-        totals_[k].push_back(seconds);
-        collect_[k].push_back(refined.times.collect);
-        approximate_[k].push_back(refined.times.approximate);
-        replay_[k].push_back(refined.times.replay);
-        if (turn == 0) judge(rows_[k], methods[k], reference, refined);
+        const double seconds = secondsOf([&] { refined = refineBy(method, zone, lines); });
+        spent[k] += seconds;
+        rows_[k].scale = scale;
+        totals_[k].push_back(scale * seconds);
+        collect_[k].push_back(scale * refined.times.collect);
+        approximate_[k].push_back(scale * refined.times.approximate);
+        replay_[k].push_back(scale * refined.times.replay);
+        if (turn > 0) continue;
+        if (scale == 1)
+          judge(rows_[k], method, reference, refined);
+        else
+          judge(
+              rows_[k], method,
+              Reference(refine(document_, *history_, zone, lines, {.method = RefineMethod::All}, execution_)),
+              refined);
       }
+  }
+
+  [[nodiscard]] RefinedModel refineBy(const TimedMethod& method, const points::Zone& zone,
+                                      const std::vector<points::LineFamily>& lines) const {
+    if (!method.byBounds) return refine(document_, *history_, zone, lines, method.options, execution_);
+    RefinedModel out;
+    out.times.collect = secondsOf([&] { out.ids = history_->idsByBounds(zone); });
+    out.times.replay = secondsOf([&] {
+      for (const points::LineFamily& family : lines) {
+        points::RefinedFamily refined;
+        refined.lines = linesInZone(family, zone, execution_);
+        refined.dexels = replayPlainly(*history_, out.ids, refined.lines, execution_);
+        out.families.push_back(std::move(refined));
+      }
+    });
+    return out;
+  }
+
+  static double countOf(const RefinedModel& model) {
+    std::vector<points::LineFamily> families;
+    for (const points::RefinedFamily& family : model.families) families.push_back(family.lines.family);
+    return countOf(families);
+  }
+  static double countOf(const std::vector<points::LineFamily>& families) {
+    double count = 0;
+    for (const points::LineFamily& family : families) count += 1.0 * family.width * family.height;
+    return count;
   }
 
   void judge(GrowthRow& row, const TimedMethod& method, const Reference& reference,
@@ -171,7 +218,8 @@ const std::vector<TimedMethod>& timedMethods() {
       {"ends", "ends", {.method = RefineMethod::Ends}},
       {"touching", "touching", {.method = RefineMethod::Touching}},
       {"clusters", "clusters", {.method = RefineMethod::Clusters}},
-      {"all", "all, culled by bounds", {.method = RefineMethod::All}},
+      {"all", "all", {.method = RefineMethod::All}},
+      {"all-by-bounds", "all, culled by bounds, line by line", {.method = RefineMethod::All}, true},
       {"all-plain", "all, plain", {.method = RefineMethod::All, .plain = true}},
   };
   return methods;

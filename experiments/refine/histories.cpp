@@ -105,8 +105,8 @@ std::vector<Primitive> nearOperations(const Box& near, std::uint64_t seed) {
     const double radius = radiusAbout(kNearRadius, random);
     DVec3 p;
     for (int a = 0; a < 3; ++a)
-      p[a] =
-          random.between(static_cast<double>(near.min[a]) - radius, static_cast<double>(near.max[a]) + radius);
+      p[a] = random.between(static_cast<double>(near.min[a]) - radius,
+                            static_cast<double>(near.max[a]) + radius);
     out.push_back(ball(p, radius, signOf(0.5, random)));
   }
   return out;
@@ -173,10 +173,9 @@ RefineHistory strewnBalls(const BallsOptions& options) {
 }
 
 RefineHistory milledBlock(std::size_t operations, std::uint64_t seed) {
-  RefineHistory out{
-      .name = "milled",
-      .initial = {box({0.5, 0.5, 0.25}, {0.5, 0.5, 0.25}, Sign::Positive)},
-      .operations = {}};
+  RefineHistory out{.name = "milled",
+                    .initial = {box({0.5, 0.5, 0.25}, {0.5, 0.5, 0.25}, Sign::Positive)},
+                    .operations = {}};
   const Relief relief(seed);
   const double radius = std::sqrt(kPasses / (kCutterStep * kRowStep * static_cast<double>(operations)));
   const int rows = std::max(1, static_cast<int>(1 / (kRowStep * radius))),
@@ -185,7 +184,8 @@ RefineHistory milledBlock(std::size_t operations, std::uint64_t seed) {
     for (int row = 0; row < rows; ++row)
       for (int i = 0; i < places; ++i) {
         // There and back.
-        const double along = (row % 2 == 0 ? i + 0.5 : places - i - 0.5) / places, across = (row + 0.5) / rows;
+        const double along = (row % 2 == 0 ? i + 0.5 : places - i - 0.5) / places,
+                     across = (row + 0.5) / rows;
         const double x = pass % 2 == 0 ? along : across, y = pass % 2 == 0 ? across : along;
         out.operations.push_back(
             ball({x, y, relief.at(x, y) + radius + pass * 0.6 * radius}, radius, Sign::Negative));
@@ -250,8 +250,7 @@ points::TriDexelDocument documentOf(const RefineHistory& history, int resolution
     document.operations.push_back(
         {p.sign == Sign::Positive ? points::DexelOperation::Union : points::DexelOperation::Subtraction,
          p.shape});
-  points::Dexels::Options options{.operations = true};
-  (void)kept;
+  const points::Dexels::Options options{.operations = true, .history = kept == Kept::Histories};
   document.model =
       points::TriDexel(points::dexelGridFor(boundsOf(history), {.resolution = resolution}), options);
   for (const Primitive& p : history.initial) document.model.apply({&p, 1}, OperationId::Initial, execution);

@@ -28,8 +28,7 @@ RefineHistory named(RefineHistory history, std::string name) {
 }
 
 RefineHistory mixedBlock(std::size_t operations, std::uint64_t seed) {
-  return named(strewnBalls({.operations = operations, .seed = seed}),
-               fmt::format("block-{}", operations));
+  return named(strewnBalls({.operations = operations, .seed = seed}), fmt::format("block-{}", operations));
 }
 
 class Plans {
@@ -60,7 +59,11 @@ class Plans {
   template <class F>
   void addAtAll(bool denseMixed, const F& history) {
     for (const int n : options_.resolutions)
-      add({.sweep = LossSweep::Lines, .value = static_cast<double>(n), .history = {}, .resolution = n, .parts = {},
+      add({.sweep = LossSweep::Lines,
+           .value = static_cast<double>(n),
+           .history = {},
+           .resolution = n,
+           .parts = {},
            .denseMixed = denseMixed},
           history);
   }
@@ -72,16 +75,13 @@ class Plans {
       return named(strewnBalls({.operations = few, .ground = Ground::Ball, .seed = seed}),
                    fmt::format("ball-{}", few));
     });
-    for (const std::size_t count : {middle, many})
-      addAtAll(true, [=] { return mixedBlock(count, seed); });
+    for (const std::size_t count : {middle, many}) addAtAll(true, [=] { return mixedBlock(count, seed); });
     addAtAll(false, [=] { return named(milledBlock(middle, seed), fmt::format("milled-{}", middle)); });
     addAtAll(false, [=] {
-      return named(strewnBalls({.operations = middle,
-                                .density = 2,
-                                .additions = 1,
-                                .ground = Ground::Nothing,
-                                .seed = seed}),
-                   fmt::format("added-{}", middle));
+      return named(
+          strewnBalls(
+              {.operations = middle, .density = 2, .additions = 1, .ground = Ground::Nothing, .seed = seed}),
+          fmt::format("added-{}", middle));
     });
     for (const RefineHistory& log : logs) addAtAll(false, [=] { return log; });
   }
@@ -89,10 +89,14 @@ class Plans {
   void addZoom() {
     const std::uint64_t seed = seed_;
     const std::size_t operations = options_.operations;
-    add({.sweep = LossSweep::Zoom, .history = {}, .resolution = options_.resolutions.back(),
+    add({.sweep = LossSweep::Zoom,
+         .history = {},
+         .resolution = options_.resolutions.back(),
          .parts = options_.parts},
         [=] { return mixedBlock(operations, seed); });
-    add({.sweep = LossSweep::Zoom, .history = {}, .resolution = options_.resolutions.back(),
+    add({.sweep = LossSweep::Zoom,
+         .history = {},
+         .resolution = options_.resolutions.back(),
          .parts = options_.parts},
         [=] { return named(milledBlock(operations, seed), fmt::format("milled-{}", operations)); });
   }
@@ -102,7 +106,10 @@ class Plans {
     for (const double cells : options_.features) {
       const std::size_t operations =
           operationsFor(BallsOptions{}.density, cells / options_.featureLines, Ground::Block);
-      add({.sweep = LossSweep::Feature, .value = cells, .history = {}, .resolution = options_.featureLines,
+      add({.sweep = LossSweep::Feature,
+           .value = cells,
+           .history = {},
+           .resolution = options_.featureLines,
            .parts = {}},
           [=] { return named(mixedBlock(operations, seed), "block"); });
     }
@@ -113,7 +120,10 @@ class Plans {
     for (const double density : options_.densities) {
       const std::size_t operations =
           operationsFor(density, options_.densityRadius / options_.densityLines, Ground::Block);
-      add({.sweep = LossSweep::Density, .value = density, .history = {}, .resolution = options_.densityLines,
+      add({.sweep = LossSweep::Density,
+           .value = density,
+           .history = {},
+           .resolution = options_.densityLines,
            .parts = {}},
           [=] {
             return named(strewnBalls({.operations = operations, .density = density, .seed = seed}), "block");
@@ -125,8 +135,11 @@ class Plans {
     const std::uint64_t seed = seed_;
     const std::size_t operations = options_.operations;
     for (const double part : options_.additions)
-      add({.sweep = LossSweep::Additions, .value = part, .history = {},
-           .resolution = options_.densityLines, .parts = {}},
+      add({.sweep = LossSweep::Additions,
+           .value = part,
+           .history = {},
+           .resolution = options_.densityLines,
+           .parts = {}},
           [=] {
             return named(strewnBalls({.operations = operations, .additions = part, .seed = seed}),
                          fmt::format("block-{}", operations));
@@ -143,8 +156,11 @@ class Plans {
                                  .resolution = options_.thinLines,
                                  .between = between,
                                  .seed = seed_};
-          add({.sweep = LossSweep::Thin, .value = thickness, .history = {},
-               .resolution = options_.thinLines, .parts = {}},
+          add({.sweep = LossSweep::Thin,
+               .value = thickness,
+               .history = {},
+               .resolution = options_.thinLines,
+               .parts = {}},
               [=] { return thinFeatures(made); });
         }
       }
@@ -163,7 +179,9 @@ const std::vector<RefineVariant>& refineVariants() {
       {"document", "document", {.method = RefineMethod::Document}},
       {"ends", "ends", {.method = RefineMethod::Ends}},
       {"ends-not-widened", "ends, the zone not widened", {.method = RefineMethod::Ends, .widening = 0}},
-      {"ends-widened-by-2", "ends, the zone widened by 2 cells", {.method = RefineMethod::Ends, .widening = 2}},
+      {"ends-widened-by-2",
+       "ends, the zone widened by 2 cells",
+       {.method = RefineMethod::Ends, .widening = 2}},
       {"ends-uncorrected", "ends, without correction", {.method = RefineMethod::Ends, .corrected = false}},
       {"touching", "touching", {.method = RefineMethod::Touching}},
       {"clusters", "clusters", {.method = RefineMethod::Clusters}},
@@ -278,7 +296,6 @@ std::vector<LossRow> measureLoss(const LossModel& model, const LossOptions& opti
                   .recall = {},
                   .differences = {}};
       for (const RefineVariant& variant : refineVariants()) {
-        if (variant.options.method == RefineMethod::Touching) continue;  // PENDING histories
         const RefinedModel refined = refine(document, history, zone, lines, variant.options, execution);
         row.method = variant.name;
         row.collected = refined.ids.size();

@@ -51,7 +51,7 @@ struct LossOptions {
   std::vector<double> parts{0.001, 0.01, 0.1};     ///< of Zoom
   int featureLines = 32;                           ///< of the model, for Feature
   std::vector<double> features{0.5, 1, 2, 4, 8};
-  int densityLines = 128;  ///< for Density and Additions
+  int densityLines = 128;    ///< for Density and Additions
   double densityRadius = 4;  ///< mean, in cells, for Density
   std::vector<double> densities{0.5, 1, 2, 4, 8, 16, 32};
   std::vector<double> additions{0, 0.25, 0.5, 0.75, 1};
@@ -84,18 +84,18 @@ struct LossRow {
   double value = 0;
   std::string history;
   bool denseMixed = false;
-  std::size_t operations = 0;   ///< of the history
-  std::size_t ids = 0;          ///< that meet the zone, the initial solid among them
-  int resolution = 0;           ///< of the model's lines
-  double cell = 0;              ///< of the model
-  double fineCell = 0;          ///< of the new lines
-  double part = 0;              ///< of the volume of the model's bounds
+  std::size_t operations = 0;  ///< of the history
+  std::size_t ids = 0;         ///< that meet the zone, the initial solid among them
+  int resolution = 0;          ///< of the model's lines
+  double cell = 0;             ///< of the model
+  double fineCell = 0;         ///< of the new lines
+  double part = 0;             ///< of the volume of the model's bounds
   int place = 0;
-  std::size_t modelBytes = 0;   ///< with what it keeps for all of the methods
-  std::string method;           ///< RefineVariant::name
-  std::size_t collected = 0;    ///< ids that were replayed
-  double length = 0;            ///< inside the reference, all families, model units
-  std::size_t ends = 0;         ///< of the reference within the zone
+  std::size_t modelBytes = 0;  ///< with what it keeps for all of the methods
+  std::string method;          ///< RefineVariant::name
+  std::size_t collected = 0;   ///< ids that were replayed
+  double length = 0;           ///< inside the reference, all families, model units
+  std::size_t ends = 0;        ///< of the reference within the zone
   Recall recall;
   Differences differences;
   /// By the length inside the reference; nothing where that is empty.
