@@ -86,9 +86,7 @@ std::vector<OperationId> changesIn(const TriDexel& model, const Zone& zone, cons
     direction[axis] = 1;
     if (!zone.clip({p, direction})) return;
     changes.clear();
-    [&](const auto& d) {
-      if constexpr (requires { d.changesOf(line, changes); }) d.changesOf(line, changes);
-    }(dexels);
+    dexels.changesOf(line, changes);
     for (const OperationId id : changes) found.add(id);
   });
   std::vector<OperationId> out;

@@ -8,6 +8,7 @@
 
 #include "implicit/errors.h"
 #include "points/dexel/mesh_solid.h"
+#include "points/dexel/toolpath/swept_cutter.h"
 
 namespace restroke::points {
 
@@ -128,7 +129,9 @@ DexelHistory::DexelHistory(const TriDexelDocument& document, const Execution&)
         s.addSolid(std::make_unique<MeshSolid>(lined(document.tools.at(posed->tool)), posed->pose),
                    operation.operation);
       } else {
-        throw InputError("cutters: to be merged");
+        const CutterMove& move = std::get<CutterMove>(operation.tool);
+        s.addSolid(std::make_unique<SweptCutter>(document.cutters.at(move.cutter), move.element),
+                   operation.operation);
       }
     } catch (const InputError& error) {
       throw InputError(fmt::format("operation {}: {}", i + 1, error.what()));

@@ -14,6 +14,8 @@ namespace restroke::points {
 class LinePainter {
  public:
   static constexpr std::uint32_t kUndecided = 0xffffffffu;
+  /// Decided before any step: inside, outside.
+  static constexpr std::uint32_t kKnownFull = 0xfffffffeu, kKnownEmpty = 0xfffffffdu;
   static constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
   /// A stretch of the line up to the next one's beginning, or to the line's end.
@@ -28,6 +30,13 @@ class LinePainter {
     to_ = to;
     low_ = from;
     high_ = to;
+  }
+  /// The next stretch of a line that is being started, from where the last one ends on.
+  void startPiece(float begin, std::uint32_t owner) { pieces_.push_back({begin, owner}); }
+  void startPieces() { pieces_.clear(); }
+  void endPieces(float to) {
+    to_ = to;
+    findUndecided();
   }
   /// Not started, or a line with nothing to decide.
   void clear() {

@@ -1,5 +1,6 @@
 #include "points/dexel/refine/line_replay.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -8,10 +9,12 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "implicit/errors.h"
 #include "implicit/parallel.h"
 #include "points/dexel/refine/family_raster.h"
+#include "points/dexel/refine/model_cells.h"
 #include "points/dexel/refine/steps_on_line.h"
 #include "points/dexel/simd/span_kernels.h"
 
@@ -47,9 +50,10 @@ class Tile {
  public:
   static constexpr std::size_t kStride = kTile + kPadding;
 
-  Tile(const LinesInZone& lines, const Dexels& dexels, int firstColumn, int firstRow, int rows)
-      : columns_(std::min(kTile, lines.family.width - firstColumn)) {
-    for (int row = 0; row < rows; ++row)
+  void take(const LinesInZone& lines, const LineRectangle& part) {
+    columns_ = part.endColumn - part.firstColumn;
+    used_ = false;
+    for (int row = 0; row < part.endRow - part.firstRow; ++row)
       for (int column = 0; column < static_cast<int>(kStride); ++column) {
         const std::size_t at = indexOf(column, row);
         if (column >= columns_) {
@@ -58,11 +62,13 @@ class Tile {
           d_[0][at] = 1;
           continue;
         }
-        const std::size_t line = dexels.lineAt(firstColumn + column, firstRow + row);
+        const std::size_t line =
+            static_cast<std::size_t>(part.firstRow + row) * static_cast<std::size_t>(lines.family.width) +
+            static_cast<std::size_t>(part.firstColumn + column);
         from_[at] = lines.from[line];
         to_[at] = lines.to[line];
         used_ = used_ || from_[at] < to_[at];
-        const Ray ray = lines.family.line(firstColumn + column, firstRow + row);
+        const Ray ray = lines.family.line(part.firstColumn + column, part.firstRow + row);
         for (int a = 0; a < 3; ++a) {
           o_[a][at] = ray.origin[a];
           d_[a][at] = ray.direction[a];
@@ -87,7 +93,7 @@ class Tile {
   [[nodiscard]] float to(int column, int row) const { return to_[indexOf(column, row)]; }
 
  private:
-  int columns_;
+  int columns_ = 0;
   bool used_ = false;
   double o_[3][kBand * kStride] = {}, d_[3][kBand * kStride] = {};
   float from_[kBand * kStride], to_[kBand * kStride];
@@ -96,20 +102,26 @@ class Tile {
 // The lines of a tile under steps, the last one first.
 class TileReplay {
  public:
-  TileReplay(std::span<const HistoryStep> steps, const Tile& tile, int rows)
-      : onLine_(steps), tile_(tile), rows_(rows) {
-    several_.fill(~0u);
-    for (int row = 0; row < rows; ++row)
-      for (int column = 0; column < kTile; ++column) {
+  explicit TileReplay(std::span<const HistoryStep> steps) : onLine_(steps) { several_.fill(~0u); }
+
+  /// The tile at hand becomes another one. False: no line of it meets the zone.
+  bool start(const LinesInZone& lines, LineRectangle part, const ReplayBasis& basis) {
+    tile_.take(lines, part);
+    rows_ = part.endRow - part.firstRow;
+    basis_ = basis;
+    open_ = 0;
+    low_.fill(kInfinity);
+    high_.fill(-kInfinity);
+    if (!tile_.isUsed()) return false;
+    for (int row = 0; row < rows_; ++row)
+      for (int column = 0; column < tile_.columns(); ++column) {
         const std::size_t at = Tile::indexOf(column, row);
-        if (tile_.from(column, row) < tile_.to(column, row)) {
-          painters_[at].start(tile_.from(column, row), tile_.to(column, row));
-          ++open_;
-        } else {
-          painters_[at].clear();
-        }
-        note(at);
+        if (!startLikeNeighbour(column, row)) startLine(painters_[at], tile_.line(column, row));
+        low_[at] = painters_[at].low();
+        high_[at] = painters_[at].high();
+        open_ += low_[at] < high_[at] ? 1 : 0;
       }
+    return true;
   }
 
   /// No line has anything left to decide.
@@ -131,19 +143,57 @@ class TileReplay {
         applyBall(step, *what.ball, row, part);
   }
 
-  void write(Dexels& dexels, const Dexels* start, int firstColumn, int firstRow) {
+  void write(Dexels& dexels, int firstColumn, int firstRow) {
     LineEnds ends, before;
     for (int row = 0; row < rows_; ++row)
       for (int column = 0; column < tile_.columns(); ++column) {
         if (!(tile_.from(column, row) < tile_.to(column, row))) continue;
         const std::size_t line = dexels.lineAt(firstColumn + column, firstRow + row);
-        if (start) start->read(line, before);
+        if (basis_.start) basis_.start->read(line, before);
         onLine_.endsOf(painters_[Tile::indexOf(column, row)], tile_.line(column, row), before, ends);
         dexels.write(line, ends);
       }
   }
 
  private:
+  // Several lines share a row of cells: what cells know of one of them they know of all.
+  bool startLikeNeighbour(int column, int row) {
+    if (!basis_.known) return false;
+    const std::size_t at = Tile::indexOf(column, row);
+    rowsOfCells_[at] = basis_.known->rowOf(tile_.line(column, row).ray);
+    if (!rowsOfCells_[at]) return false;
+    const auto isLike = [&](int otherColumn, int otherRow) {
+      const std::size_t other = Tile::indexOf(otherColumn, otherRow);
+      if (rowsOfCells_[other] != rowsOfCells_[at] ||
+          tile_.from(otherColumn, otherRow) != tile_.from(column, row) ||
+          tile_.to(otherColumn, otherRow) != tile_.to(column, row))
+        return false;
+      painters_[at] = painters_[other];
+      return true;
+    };
+    return (column > 0 && isLike(column - 1, row)) || (row > 0 && isLike(column, row - 1));
+  }
+  void startLine(LinePainter& painter, const CutLine& line) const {
+    if (!(line.from < line.to)) {
+      painter.clear();
+    } else if (!basis_.known) {
+      painter.start(line.from, line.to);
+    } else {
+      painter.startPieces();
+      float begin = line.from;
+      basis_.known->forStretches(line.ray, {static_cast<double>(line.from), static_cast<double>(line.to)},
+                                 [&](ModelCells::Kind kind, double, double exit) {
+                                   const float end = std::min(static_cast<float>(exit), line.to);
+                                   if (!(begin < end)) return;
+                                   painter.startPiece(
+                                       begin, kind == ModelCells::Kind::Mixed  ? LinePainter::kUndecided
+                                              : kind == ModelCells::Kind::Full ? LinePainter::kKnownFull
+                                                                               : LinePainter::kKnownEmpty);
+                                   begin = end;
+                                 });
+      painter.endPieces(line.to);
+    }
+  }
   // Where a painter stands, for kernels.
   void note(std::size_t at) {
     const bool wasOpen = low_[at] < high_[at];
@@ -169,11 +219,13 @@ class TileReplay {
   }
 
   StepsOnLine onLine_;
-  const Tile& tile_;
-  int rows_;
+  Tile tile_;
+  ReplayBasis basis_;
+  int rows_ = 0;
   const SpanKernels& kernels_ = spanKernels();
   std::size_t open_ = 0;
   std::array<LinePainter, kBand * Tile::kStride> painters_;
+  std::array<std::optional<std::array<int, 3>>, kBand * Tile::kStride> rowsOfCells_;
   std::array<float, kBand * Tile::kStride> low_ = {}, high_ = {};
   std::array<std::uint32_t, kTile + kPadding> several_;  // no line has: kernels ask
   std::array<float, kTile + kPadding> enter_, exit_;
@@ -189,37 +241,35 @@ std::vector<HistoryStep> stepsOf(const DexelHistory& history, std::span<const Op
 // Rows of a family under steps.
 class BandReplay {
  public:
-  BandReplay(const LinesInZone& lines, std::span<const HistoryStep> steps, const Dexels* start)
-      : lines_(lines), steps_(steps), start_(start) {}
+  BandReplay(const LinesInZone& lines, std::span<const HistoryStep> steps, const ReplayBasis& basis)
+      : lines_(lines), basis_(basis), tiles_([steps] { return std::make_unique<TileReplay>(steps); }) {}
 
-  void run(std::span<const PlacedStep> placed, int firstRow, Dexels& dexels) const {
-    const int rows = std::min(kBand, lines_.family.height - firstRow);
+  void run(std::span<const PlacedStep> placed, int firstRow, Dexels& dexels) {
+    const int endRow = std::min(firstRow + kBand, lines_.family.height);
     std::vector<PlacedStep> here;  // the last one first
     for (std::size_t i = placed.size(); i-- > 0;)
-      if (placed[i].lines.firstRow < firstRow + rows && placed[i].lines.endRow > firstRow)
-        here.push_back(placed[i]);
-    if (here.empty() && !start_) return;
+      if (placed[i].lines.firstRow < endRow && placed[i].lines.endRow > firstRow) here.push_back(placed[i]);
+    if (here.empty() && !basis_.start && !basis_.known) return;
+    TileReplay& replay = *tiles_.local();
     for (int column = 0; column < lines_.family.width; column += kTile) {
-      const auto tile = std::make_unique<const Tile>(lines_, dexels, column, firstRow, rows);
-      if (!tile->isUsed()) continue;
-      const auto replay = std::make_unique<TileReplay>(steps_, *tile, rows);
+      const int endColumn = std::min(column + kTile, lines_.family.width);
+      if (!replay.start(lines_, {column, endColumn, firstRow, endRow}, basis_)) continue;
       for (const PlacedStep& step : here) {
-        const LineRectangle part{std::max(step.lines.firstColumn - column, 0),
-                                 std::min(step.lines.endColumn - column, tile->columns()),
-                                 std::max(step.lines.firstRow - firstRow, 0),
-                                 std::min(step.lines.endRow - firstRow, rows)};
-        if (part.empty()) continue;
-        replay->apply(step.step, part);
-        if (replay->isDone()) break;
+        if (replay.isDone()) break;
+        const LineRectangle part{std::max(step.lines.firstColumn, column) - column,
+                                 std::min(step.lines.endColumn, endColumn) - column,
+                                 std::max(step.lines.firstRow, firstRow) - firstRow,
+                                 std::min(step.lines.endRow, endRow) - firstRow};
+        if (!part.empty()) replay.apply(step.step, part);
       }
-      replay->write(dexels, start_, column, firstRow);
+      replay.write(dexels, column, firstRow);
     }
   }
 
  private:
   const LinesInZone& lines_;
-  std::span<const HistoryStep> steps_;
-  const Dexels* start_;
+  ReplayBasis basis_;
+  tbb::enumerable_thread_specific<std::unique_ptr<TileReplay>> tiles_;
 };
 
 }  // namespace
@@ -254,7 +304,7 @@ LinesInZone linesInZone(const LineFamily& family, const Zone& zone, const Execut
 }
 
 Dexels replay(const DexelHistory& history, std::span<const OperationId> ids, const LinesInZone& lines,
-              const Execution& execution, const Dexels* start) {
+              const Execution& execution, const ReplayBasis& basis) {
   Dexels out(lines.family.width, lines.family.height, {.operations = true});
   RESTROKE_CHECK_EQ(out.lineCount(), lines.from.size());
   const std::vector<HistoryStep> steps = stepsOf(history, ids);
@@ -268,10 +318,9 @@ Dexels replay(const DexelHistory& history, std::span<const OperationId> ids, con
                                                 : raster.of(step.solid->bounds());
     if (!rectangle.empty()) placed.push_back({i, rectangle});
   }
-  const BandReplay replay(lines, steps, start);
-  const int bands = (lines.family.height + kBand - 1) / kBand;
-  inArena(execution,
-          [&] { tbb::parallel_for(0, bands, [&](int b) { replay.run(placed, b * kBand, out); }); });
+  BandReplay bands(lines, steps, basis);
+  const int count = (lines.family.height + kBand - 1) / kBand;
+  inArena(execution, [&] { tbb::parallel_for(0, count, [&](int b) { bands.run(placed, b * kBand, out); }); });
   return out;
 }
 

@@ -22,24 +22,33 @@ struct LinesInZone {
 [[nodiscard]] LinesInZone linesInZone(const LineFamily& family, const Zone& zone,
                                       const Execution& execution = {});
 
+class ModelCells;
+
+/// What is known of lines beside the operations; what is not null must outlive the call.
+struct ReplayBasis {
+  /// What a place is that no operation decides: of the family's size, by depth and normal.
+  const Dexels* start = nullptr;
+  /// Cells that decide before any operation does: in full ones lines are inside, in empty ones outside.
+  const ModelCells* known = nullptr;
+};
+
 /// What the lines hold after the operations `ids` (ascending, each once; Initial stands for the initial
 /// solid). Each counts where it is in the zone, so that nothing beyond it matters: with all operations that
 /// meet the zone the result is that of all operations, bit for bit.
 ///
 /// The operations are replayed from the last to the first, each on what none after it has filled or cleared
 /// (SPEC S4): what is hidden costs next to nothing, and a line is done when all of it is decided. A place
-/// that no operation decides is what `start` has there (of the family's size, its ends known by depth and
-/// normal); without, it is outside.
+/// that no operation decides is outside, or as ReplayBasis says.
 ///
 /// Of each end `inner` and `outer` are the operations that decide what is right before and behind it (None:
-/// the start, or none), and the normal is that of the later one; the flag is set where that is not the
-/// initial solid. Where the solid goes on beyond the zone there is an end at its border: the normal along the
+/// the basis, or none), and the normal is that of the later one; the flag is set where that is an
+/// operation. Where the solid goes on beyond the zone there is an end at its border: the normal along the
 /// line, the flag clear, `outer` None. Depths are the exact intervals of the operations' solids, in double,
 /// rounded once. The same bits for any number of threads. O(lines that the operations' bounds meet on the
 /// family's raster, as long as they are not decided).
 [[nodiscard]] Dexels replay(const DexelHistory& history, std::span<const OperationId> ids,
                             const LinesInZone& lines, const Execution& execution = {},
-                            const Dexels* start = nullptr);
+                            const ReplayBasis& basis = {});
 
 /// The same result by its definition: each line asks each operation. O(lines x operations).
 [[nodiscard]] Dexels replayPlainly(const DexelHistory& history, std::span<const OperationId> ids,

@@ -113,6 +113,47 @@ ModelCells::ModelCells(const TriDexel& model, const Box& box, const Execution& e
   });
 }
 
+int ModelCells::cellAlong(int axis, double coordinate) const {
+  const auto a = static_cast<std::size_t>(axis);
+  const std::vector<double>& planes = planes_[a];
+  const double guess = (coordinate - planes[0]) / (planes[1] - planes[0]);
+  int cell = static_cast<int>(std::clamp(guess, 0.0, counts_[a] - 1.0));
+  while (cell > 0 && planes[static_cast<std::size_t>(cell)] > coordinate) --cell;
+  while (cell + 1 < counts_[a] && planes[static_cast<std::size_t>(cell) + 1] <= coordinate) ++cell;
+  return cell;
+}
+
+std::optional<std::array<int, 3>> ModelCells::rowOf(const Ray& line) const {
+  if (kinds_.empty()) return std::nullopt;
+  for (int a = 0; a < 3; ++a) {
+    const int u = (a + 1) % 3, v = (a + 2) % 3;
+    if (line.direction[u] != 0 || line.direction[v] != 0) continue;
+    const auto at = [&](int axis) {
+      const std::vector<double>& planes = planes_[static_cast<std::size_t>(axis)];
+      const double x = line.origin[axis];
+      return x < planes.front() || x > planes.back() ? -1 : cellAlong(axis, x);
+    };
+    return std::array<int, 3>{a, at(u), at(v)};
+  }
+  return std::nullopt;
+}
+
+RayInterval ModelCells::within(const Ray& line, RayInterval in) const {
+  if (kinds_.empty()) return {in.enter, in.enter};
+  for (int a = 0; a < 3; ++a) {
+    const std::vector<double>& planes = planes_[static_cast<std::size_t>(a)];
+    const double low = planes.front() - line.origin[a], high = planes.back() - line.origin[a],
+                 rate = line.direction[a];
+    if (rate == 0) {
+      if (low > 0 || high < 0) return {in.enter, in.enter};
+      continue;
+    }
+    in.enter = std::max(in.enter, (rate > 0 ? low : high) / rate);
+    in.exit = std::min(in.exit, (rate > 0 ? high : low) / rate);
+  }
+  return in;
+}
+
 ModelCells::Kind ModelCells::at(const std::array<int, 3>& cell) const {
   std::size_t index = 0;
   for (std::size_t a = 3; a-- > 0;) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "implicit/execution.h"
@@ -26,7 +27,12 @@ class ModelCells {
   ModelCells(const TriDexel& model, const Box& box, const Execution& execution);
 
   [[nodiscard]] std::size_t count() const { return kinds_.size(); }
+  /// By the grid points before it.
   [[nodiscard]] Kind at(const std::array<int, 3>& cell) const;
+
+  /// Which row of cells a line along a coordinate axis runs in; nothing for lines in other directions. Lines
+  /// in one row with one origin along the axis have the same stretches.
+  [[nodiscard]] std::optional<std::array<int, 3>> rowOf(const Ray& line) const;
 
   /// Calls f(kind, from, to) for the stretches of a line (of unit direction) between two parameters, in
   /// order: neighbours differ in kind. Beyond the grid all is empty.
@@ -34,12 +40,17 @@ class ModelCells {
   void forStretches(const Ray& line, RayInterval in, const F& f) const;
 
  private:
-  [[nodiscard]] double planeAt(int axis, int i) const {
-    // Points of the grid; one more on each side.
-    return planes_[static_cast<std::size_t>(axis)]
-                  [static_cast<std::size_t>(i - first_[static_cast<std::size_t>(axis)])];
+  [[nodiscard]] std::size_t strideOf(std::size_t axis) const {
+    std::size_t stride = 1;
+    for (std::size_t a = 0; a < axis; ++a) stride *= static_cast<std::size_t>(counts_[a]);
+    return stride;
   }
+  /// The kept cell of an axis in which a coordinate is; those at the border beyond it.
+  [[nodiscard]] int cellAlong(int axis, double coordinate) const;
+  /// Where the line is among the kept cells; enter >= exit: nowhere.
+  [[nodiscard]] RayInterval within(const Ray& line, RayInterval in) const;
 
+  // Cells that are kept, from cell first_ of the grid on; cell i of them is between planes i and i + 1.
   std::array<int, 3> first_{}, counts_{};  // of the cells that are kept; cell i is between points i and i + 1
   std::array<std::vector<double>, 3> planes_;
   std::vector<Kind> kinds_;
@@ -47,45 +58,52 @@ class ModelCells {
 
 template <class F>
 void ModelCells::forStretches(const Ray& line, RayInterval in, const F& f) const {
+  const RayInterval kept = within(line, in);
+  if (!(kept.enter < kept.exit)) {
+    f(Kind::Empty, in.enter, in.exit);
+    return;
+  }
   // J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics 1987; crossings
   // from the planes themselves, not summed up.
-  std::array<int, 3> cell{}, step{};
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  std::array<const double*, 3> plane{};  // the next one
+  std::array<int, 3> left{};             // cells after this one, the way that the line goes
+  std::array<std::ptrdiff_t, 3> stride{};
   std::array<double, 3> next{};
-  const DVec3 start = line.at(in.enter);
+  const DVec3 start = line.at(kept.enter);
+  std::size_t at = 0;
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<std::size_t>(a);
-    const std::vector<double>& planes = planes_[i];
-    int k = first_[i] - 1;
-    for (const double plane : planes) {
-      if (!(plane <= start[a])) break;
-      ++k;
-    }
-    cell[i] = k;
-    step[i] = line.direction[a] > 0 ? 1 : line.direction[a] < 0 ? -1 : 0;
+    const int cell = cellAlong(a, start[a]);
+    const double rate = line.direction[a];
+    at += static_cast<std::size_t>(cell) * strideOf(i);
+    stride[i] =
+        rate > 0 ? static_cast<std::ptrdiff_t>(strideOf(i)) : -static_cast<std::ptrdiff_t>(strideOf(i));
+    left[i] = rate > 0 ? counts_[i] - 1 - cell : cell;
+    plane[i] = &planes_[i][static_cast<std::size_t>(rate > 0 ? cell + 1 : cell)];
+    next[i] = rate == 0 ? kNever : (*plane[i] - line.origin[a]) / rate;
   }
-  const auto crossing = [&](int a) {
-    const auto i = static_cast<std::size_t>(a);
-    const int plane = step[i] > 0 ? cell[i] + 1 : cell[i];
-    if (step[i] == 0 || plane < first_[i] || plane > first_[i] + counts_[i])
-      return std::numeric_limits<double>::infinity();
-    return (planeAt(a, plane) - line.origin[a]) / line.direction[a];
+  Kind kind = Kind::Empty;
+  double from = in.enter;
+  const auto enter = [&](Kind entered, double t) {
+    if (entered == kind) return;
+    if (from < t) f(kind, from, t);
+    from = from < t ? t : from;
+    kind = entered;
   };
-  for (int a = 0; a < 3; ++a) next[static_cast<std::size_t>(a)] = crossing(a);
-  double from = in.enter, at = in.enter;
-  Kind kind = this->at(cell);
-  while (at < in.exit) {
+  double t = kept.enter;
+  enter(kinds_[at], t);
+  for (;;) {
     const std::size_t i = next[0] <= next[1] ? (next[0] <= next[2] ? 0 : 2) : (next[1] <= next[2] ? 1 : 2);
-    const double to = next[i] < in.exit ? next[i] : in.exit;
-    at = to > at ? to : at;
-    if (!(next[i] < in.exit)) break;
-    cell[i] += step[i];
-    next[i] = crossing(static_cast<int>(i));
-    if (const Kind entered = this->at(cell); entered != kind) {
-      if (from < at) f(kind, from, at);
-      from = at;
-      kind = entered;
-    }
+    if (!(next[i] < kept.exit) || left[i] == 0) break;
+    t = next[i] > t ? next[i] : t;
+    --left[i];
+    at = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(at) + stride[i]);
+    plane[i] += stride[i] > 0 ? 1 : -1;
+    next[i] = (*plane[i] - line.origin[static_cast<int>(i)]) / line.direction[static_cast<int>(i)];
+    enter(kinds_[at], t);
   }
+  if (kept.exit < in.exit) enter(Kind::Empty, kept.exit);
   if (from < in.exit) f(kind, from, in.exit);
 }
 

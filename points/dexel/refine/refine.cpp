@@ -2,12 +2,12 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "implicit/errors.h"
 #include "implicit/parallel.h"
-#include "points/dexel/line_changes.h"
 #include "points/dexel/refine/collect.h"
 #include "points/dexel/refine/model_cells.h"
 
@@ -29,50 +29,39 @@ auto timed(double& seconds, const F& f) {
   return f();
 }
 
-// Which stretches of lines the cells fill or clear.
-enum class CellRule : std::uint8_t {
-  FillFull,         // a lower approximation
-  FillAllButEmpty,  // an upper one
-  Correct           // fills what is full, clears what is empty
-};
-
-void applyCells(Dexels& dexels, const LinesInZone& lines, const ModelCells& cells, CellRule rule,
-                const Execution& execution) {
+// What cells say of lines: inside in full ones, and with `upper` in all that are not empty.
+Dexels approximation(const LinesInZone& lines, const ModelCells& cells, bool upper,
+                     const Execution& execution) {
+  Dexels out(lines.family.width, lines.family.height, {.operations = true});
   inArena(execution, [&] {
     tbb::parallel_for(0, lines.family.height, [&](int row) {
-      LineChanges changes(dexels);
+      LineEnds ends;
       for (int column = 0; column < lines.family.width; ++column) {
-        const std::size_t line = dexels.lineAt(column, row);
+        const std::size_t line = out.lineAt(column, row);
         const float from = lines.from[line], to = lines.to[line];
         if (!(from < to)) continue;
         const Ray ray = lines.family.line(column, row);
         const PackedNormal along = packNormal(Vec3(ray.direction));
-        // Neighbouring stretches with one answer are one.
-        Stretch last{from, from, false, OperationId::None};
-        const auto flush = [&] {
-          if (last.enter < last.exit)
-            changes.apply(line, last,
-                          [&](bool exit) { return exit == last.fills ? along : turnedAround(along); });
-        };
+        ends.clear();
         cells.forStretches(ray, {static_cast<double>(from), static_cast<double>(to)},
                            [&](ModelCells::Kind kind, double enter, double exit) {
                              using Kind = ModelCells::Kind;
-                             const bool fills = kind == Kind::Full ||
-                                                (rule == CellRule::FillAllButEmpty && kind != Kind::Empty);
-                             const bool clears = rule == CellRule::Correct && kind == Kind::Empty;
-                             if (!fills && !clears) return;
-                             const auto begin = static_cast<float>(enter), end = static_cast<float>(exit);
-                             if (last.fills == fills && last.exit == begin) {
-                               last.exit = end;
-                               return;
-                             }
-                             flush();
-                             last = {begin, end, fills, OperationId::None};
+                             if (kind != Kind::Full && (!upper || kind == Kind::Empty)) return;
+                             const auto begin = static_cast<float>(enter),
+                                        end = std::min(static_cast<float>(exit), to);
+                             if (!(begin < end)) return;
+                             // Neighbouring stretches are one.
+                             if (!ends.empty() && ends.back().depth == begin)
+                               ends.pop_back();
+                             else
+                               ends.push_back({begin, turnedAround(along)});
+                             ends.push_back({end, along});
                            });
-        flush();
+        out.write(line, ends);
       }
     });
   });
+  return out;
 }
 
 void refuse(const TriDexel& model, RefineMethod method) {
@@ -82,13 +71,7 @@ void refuse(const TriDexel& model, RefineMethod method) {
       throw InputError(fmt::format(
           "the model's ends do not say which operations made them; they must for the method \"{}\"",
           nameOf(method)));
-    const bool keepsHistory = [](const auto& d) {
-      if constexpr (requires { d.keepsHistory(); })
-        return d.keepsHistory();
-      else
-        return false;
-    }(model.family(axis));
-    if (method == RefineMethod::Touching && !keepsHistory)
+    if (method == RefineMethod::Touching && !model.family(axis).keepsHistory())
       throw InputError(
           "the model's lines do not keep which operations changed them; they must for the method "
           "\"touching\"");
@@ -162,26 +145,18 @@ class Refinement {
     return ids;
   }
 
-  [[nodiscard]] static Dexels empty(const LinesInZone& lines) {
-    return {lines.family.width, lines.family.height, {.operations = true}};
-  }
-
-  [[nodiscard]] Dexels replayed(const LinesInZone& lines, const ModelCells* cells,
+  [[nodiscard]] Dexels replayed(const LinesInZone& lines, const ModelCells* known,
                                 const Execution& execution) {
-    Dexels dexels = timed(out_.times.replay, [&] { return replay(history_, out_.ids, lines, execution); });
-    if (cells)
-      timed(out_.times.approximate, [&] { applyCells(dexels, lines, *cells, CellRule::Correct, execution); });
-    return dexels;
+    return timed(out_.times.replay,
+                 [&] { return replay(history_, out_.ids, lines, execution, {.known = known}); });
   }
 
   [[nodiscard]] Dexels byDocument(const LinesInZone& lines, const ModelCells& cells,
                                   const Execution& execution) {
     const Sorts sorts = sortsOf(document_, out_.ids);
     const bool upper = sorts.removes && !sorts.adds;
-    Dexels start = empty(lines);
-    timed(out_.times.approximate, [&] {
-      applyCells(start, lines, cells, upper ? CellRule::FillAllButEmpty : CellRule::FillFull, execution);
-    });
+    Dexels start =
+        timed(out_.times.approximate, [&] { return approximation(lines, cells, upper, execution); });
     return timed(out_.times.replay, [&] {
       std::span<const OperationId> ids = out_.ids;
       if (upper && !ids.empty() && ids.front() == OperationId::Initial) {
@@ -189,7 +164,7 @@ class Refinement {
         start = both(start, replay(history_, ids.first(1), lines, execution));
         ids = ids.subspan(1);
       }
-      return replay(history_, ids, lines, execution, &start);
+      return replay(history_, ids, lines, execution, {.start = &start});
     });
   }
 

@@ -49,8 +49,7 @@ class StepsOnLine {
       if (painted[i].owner == LinePainter::kUndecided && !start.empty())
         addStart(painted[i].begin, end, start);
       else
-        pieces_.push_back({painted[i].begin, painted[i].owner,
-                           painted[i].owner != LinePainter::kUndecided && fills(painted[i].owner)});
+        pieces_.push_back({painted[i].begin, painted[i].owner, isSolid(painted[i].owner)});
     }
     const Vec3 along(line.ray.direction);
     for (std::size_t i = 0; i <= pieces_.size(); ++i) {
@@ -75,8 +74,12 @@ class StepsOnLine {
     bool solid;
   };
 
+  [[nodiscard]] static bool isStep(std::uint32_t owner) { return owner < LinePainter::kKnownEmpty; }
+  [[nodiscard]] bool isSolid(std::uint32_t owner) const {
+    return isStep(owner) ? fills(owner) : owner == LinePainter::kKnownFull;
+  }
   [[nodiscard]] OperationId idOf(std::uint32_t owner) const {
-    return owner == LinePainter::kUndecided ? OperationId::None : steps_[owner].id;
+    return isStep(owner) ? steps_[owner].id : OperationId::None;
   }
 
   // Calls f(enter, exit, normalAt) for the stretches of the whole line that the step decides; normalAt(false)
@@ -138,6 +141,7 @@ class StepsOnLine {
     const bool begins = order(after.owner) > order(before.owner);
     const std::uint32_t owner = begins ? after.owner : before.owner;
     PackedNormal found = packNormal(Vec3((before.solid ? 1.0 : -1.0) * line.direction));
+    if (!isStep(owner)) return found;
     forStretches(owner, line, [&](double enter, double exit, const auto& normal) {
       if (static_cast<float>(begins ? enter : exit) == depth) found = normal(!begins);
     });

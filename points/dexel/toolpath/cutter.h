@@ -18,7 +18,8 @@ struct Cutter {
   double length = 1;  ///< from the tip to the upper end, model units, > 0; at least `radius` of a ball
   /// Of a bull nose, model units: 0 < cornerRadius < radius, and no more than the length. Else 0.
   double cornerRadius = 0;
-  /// How it stands: its x, y and z axes as columns of a rotation, row by row.
+  /// How it stands: its x, y and z axes as columns of a rotation, row by row. Where it is used, rounding of
+  /// the numbers is straightened: z first, then x.
   std::array<double, 9> orientation{1, 0, 0, 0, 1, 0, 0, 0, 1};
   bool operator==(const Cutter&) const = default;
 };
@@ -41,6 +42,10 @@ struct PathElement {
   bool clockwise = false;  ///< seen against the axis, from its positive end
   bool operator==(const PathElement&) const = default;
 };
+
+/// Throws InputError ("a path element has ...; it must ...") when a coordinate is not finite or beyond
+/// kMaxCoordinate, or the axis is none. An arc whose centre is on its axis through `from` is a straight line.
+void validate(const PathElement& element);
 
 /// An operation of a path: (tool, path element).
 struct CutterMove {
