@@ -44,7 +44,6 @@
 #include "experiments/refine/loss.h"
 #include "experiments/refine/pictures.h"
 
-
 namespace restroke::experiments {
 
 inline constexpr std::size_t kLeastGrowth = 500, kMostGrowth = 10'000'000;

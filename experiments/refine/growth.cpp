@@ -211,6 +211,15 @@ class Size {
 
 }  // namespace
 
+std::vector<std::size_t> growthUpTo(std::size_t most) {
+  std::vector<std::size_t> out;
+  for (std::size_t n = 1000; n < most; n *= 10)
+    for (const std::size_t each : {n, 3 * n})
+      if (each < most) out.push_back(each);
+  out.push_back(most);
+  return out;
+}
+
 const std::vector<TimedMethod>& timedMethods() {
   using points::RefineOptions;
   static const std::vector<TimedMethod> methods{

@@ -31,6 +31,9 @@ struct GrowthOptions {
   double mostHistoryBytes = 1.5e9;
 };
 
+/// 1000, 3000, 10,000, ... up to a number of at least 1000, which is the last one.
+[[nodiscard]] std::vector<std::size_t> growthUpTo(std::size_t most);
+
 /// Methods that are timed.
 struct TimedMethod {
   const char* name;   ///< in tables: document, ends, touching, clusters, all, all-by-bounds, all-plain

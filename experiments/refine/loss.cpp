@@ -31,6 +31,13 @@ RefineHistory mixedBlock(std::size_t operations, std::uint64_t seed) {
   return named(strewnBalls({.operations = operations, .seed = seed}), fmt::format("block-{}", operations));
 }
 
+double additionsOf(const RefineHistory& history) {
+  const auto added =
+      std::ranges::count(history.operations, implicit::Sign::Positive, &implicit::Primitive::sign);
+  return static_cast<double>(added) /
+         static_cast<double>(std::max<std::size_t>(1, history.operations.size()));
+}
+
 class Plans {
  public:
   Plans(const LossOptions& options, std::uint64_t seed) : options_(options), seed_(seed) {}
@@ -270,6 +277,8 @@ std::vector<LossRow> measureLoss(const LossModel& model, const LossOptions& opti
       model.sweep == LossSweep::Thin
           ? placesOfOperations(model.history, std::max(options.places, kThinPlaces), seed)
           : placesOnSurface(document.model, options.places, seed);
+  std::size_t lineHistories = 0;
+  for (int axis = 0; axis < 3; ++axis) lineHistories += document.model.family(axis).histories().bytes();
   std::vector<LossRow> rows;
   for (const double part : model.parts)
     for (std::size_t place = 0; place < places.size(); ++place) {
@@ -282,13 +291,15 @@ std::vector<LossRow> measureLoss(const LossModel& model, const LossOptions& opti
                   .history = model.history.name,
                   .denseMixed = model.denseMixed,
                   .operations = model.history.operations.size(),
+                  .additions = additionsOf(model.history),
                   .ids = reference.model().ids.size(),
                   .resolution = model.resolution,
                   .cell = document.model.grid().cell(),
                   .fineCell = length(lines.front().originStep),
                   .part = part,
                   .place = static_cast<int>(place),
-                  .modelBytes = document.model.bytes(),
+                  .modelBytes = document.model.bytes() - lineHistories,
+                  .lineHistoryBytes = lineHistories,
                   .method = {},
                   .collected = 0,
                   .length = reference.length(),

@@ -85,17 +85,19 @@ struct LossRow {
   std::string history;
   bool denseMixed = false;
   std::size_t operations = 0;  ///< of the history
+  double additions = 0;        ///< part of them
   std::size_t ids = 0;         ///< that meet the zone, the initial solid among them
   int resolution = 0;          ///< of the model's lines
   double cell = 0;             ///< of the model
   double fineCell = 0;         ///< of the new lines
   double part = 0;             ///< of the volume of the model's bounds
   int place = 0;
-  std::size_t modelBytes = 0;  ///< with what it keeps for all of the methods
-  std::string method;          ///< RefineVariant::name
-  std::size_t collected = 0;   ///< ids that were replayed
-  double length = 0;           ///< inside the reference, all families, model units
-  std::size_t ends = 0;        ///< of the reference within the zone
+  std::size_t modelBytes = 0;        ///< with references (R2)
+  std::size_t lineHistoryBytes = 0;  ///< of the lines' histories (R2b), besides
+  std::string method;                ///< RefineVariant::name
+  std::size_t collected = 0;         ///< ids that were replayed
+  double length = 0;                 ///< inside the reference, all families, model units
+  std::size_t ends = 0;              ///< of the reference within the zone
   Recall recall;
   Differences differences;
   /// By the length inside the reference; nothing where that is empty.
