@@ -36,6 +36,16 @@ struct TriDexelDocument {
   };
   std::vector<Operation> operations;
 
+  /// Operations that follow each other, which the histories of the model's lines name as one: by the first
+  /// (SPEC R7; refine/resultants.h). To replay it is to replay all of them.
+  struct Run {
+    OperationId first{};
+    std::uint32_t count = 0;  ///< 2 or more
+    bool operator==(const Run&) const = default;
+  };
+  /// Ascending and apart from each other. An operation in none of them stands for itself.
+  std::vector<Run> runs;
+
   TriDexel model;
 };
 

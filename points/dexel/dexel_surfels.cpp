@@ -7,12 +7,11 @@
 
 #include "implicit/errors.h"
 #include "implicit/parallel.h"
+#include "points/dexel/end_maker.h"
 
 namespace restroke::points {
 
 namespace {
-
-using implicit::Sign;
 
 // A family's ends are kept where its axis is at least so close to the normal, compared with the best axis.
 // Where two families take turns on a curved surface, both are then kept over a strip as wide as a cell if
@@ -22,20 +21,6 @@ constexpr float kSeesWell = 0.5f;
 constexpr float kOverlap = 1.02f;
 // Discs are no larger than what a plane needs that no family sees better than this one, in cells.
 constexpr float kLargest = 1.25f;
-
-struct Maker {
-  std::uint32_t primitive;
-  Sign sign;
-};
-
-// Of the operations on the two sides of an end the later one made it.
-Maker makerOf(const SpanEnd& end, bool keepsOperations) {
-  if (!keepsOperations) return {0, end.isCut() ? Sign::Negative : Sign::Positive};
-  const bool cleared =
-      end.outer != OperationId::None && (end.inner == OperationId::None || end.outer > end.inner);
-  if (cleared) return {static_cast<std::uint32_t>(end.outer), Sign::Negative};
-  return {end.inner == OperationId::None ? 0 : static_cast<std::uint32_t>(end.inner), Sign::Positive};
-}
 
 // One family's ends as surfels, row by row.
 class FamilySurfels {
@@ -68,8 +53,8 @@ class FamilySurfels {
         surfel.position[v_] = grid_.at(v_, row);
         surfel.normal = n;
         surfel.radius = radiusOf({column, row, i % 2 == 0}, ends[i].depth, n);
-        const Maker maker = makerOf(ends[i], dexels_.keepsOperations());
-        surfel.primitive = maker.primitive;
+        const EndMaker maker = makerOf(ends[i], dexels_.keepsOperations());
+        surfel.primitive = maker.operation;
         surfel.sign = maker.sign;
         out.push_back(surfel);
       }

@@ -150,25 +150,23 @@ void putLines(ByteWriter& out, const Dexels& dexels) {
       }
     }
   }
-  out.put(static_cast<std::uint8_t>(dexels.keepsOperations() ? 1 : 0));
+  out.put(static_cast<std::uint8_t>((dexels.keepsOperations() ? 1 : 0) | (dexels.keepsHistory() ? 2 : 0)));
   out.put(static_cast<std::uint64_t>(columns[0].size()));
   putColumn(out, counts);
   for (std::size_t f = 0; f < fields; ++f) putColumn(out, columns[f]);
 }
 
-Dexels getLines(ByteReader& in, int width, int height, std::uint32_t lastOperation) {
-  const auto keeps = in.get<std::uint8_t>("the lines' kind");
-  if (keeps > 1) in.refuse(fmt::format("the lines' kind is {}; it must be 0 or 1", keeps));
+Dexels getLines(ByteReader& in, int width, int height, const LinesInFile& known) {
   const auto total = in.get<std::uint64_t>("the number of ends");
   const std::size_t lines = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const Column counts(in, lines, "the numbers of ends of the lines");
-  const std::size_t fields = keeps == 1 ? kFields : kFieldsWithoutOperations;
+  const std::size_t fields = known.keepsOperations ? kFields : kFieldsWithoutOperations;
   in.need(total, 4 * fields, "the ends");
   std::array<Column, kFields> columns;
   for (std::size_t f = 0; f < fields; ++f)
     columns[f] = Column(in, static_cast<std::size_t>(total), kNames[f]);
 
-  Dexels dexels(width, height, {.operations = keeps == 1});
+  Dexels dexels(width, height, {.operations = known.keepsOperations});
   Expectation expectation(width);
   LineEnds ends;
   std::size_t next = 0, line = 0;
@@ -190,7 +188,7 @@ Dexels getLines(ByteReader& in, int width, int height, std::uint32_t lastOperati
               fmt::format("end {} has the normal {}, {}, {}; these must be less than 32768, 32768 and 4",
                           next, numbers[1], numbers[2], numbers[3]));
         const SpanEnd end = endOf(numbers);
-        refuseBadEnd(in, end, lastOperation);
+        refuseBadEnd(in, end, known.lastOperation);
         if (!ends.empty() && !(end.depth > ends.back().depth))
           in.refuse(fmt::format("the depths of line {} are {} and then {}; they must ascend", line,
                                 ends.back().depth, end.depth));
@@ -202,6 +200,65 @@ Dexels getLines(ByteReader& in, int width, int height, std::uint32_t lastOperati
   }
   if (next != total) in.refuse(fmt::format("the lines have {} ends of {}; they must have all", next, total));
   return dexels;
+}
+
+void putHistories(ByteWriter& out, const Dexels& dexels) {
+  std::vector<std::uint32_t> counts, words;
+  counts.reserve(dexels.lineCount());
+  words.reserve(dexels.histories().entryCount());
+  std::vector<OperationId> ids;
+  std::size_t line = 0;
+  for (int row = 0; row < dexels.height(); ++row) {
+    std::uint32_t before = 0;
+    for (int column = 0; column < dexels.width(); ++column, ++line) {
+      ids.clear();
+      dexels.changesOf(line, ids);
+      const auto count = static_cast<std::uint32_t>(ids.size());
+      counts.push_back(folded(count - before));
+      before = count;
+      std::uint32_t last = 0;
+      for (const OperationId id : ids) {
+        words.push_back(folded(static_cast<std::uint32_t>(id) - last));
+        last = static_cast<std::uint32_t>(id);
+      }
+    }
+  }
+  out.put(static_cast<std::uint64_t>(words.size()));
+  putColumn(out, counts);
+  putColumn(out, words);
+}
+
+void getHistories(ByteReader& in, Dexels& dexels, std::span<const std::uint8_t> names) {
+  const auto total = in.get<std::uint64_t>("the number of operations in histories");
+  const Column counts(in, dexels.lineCount(), "the numbers of operations that changed the lines");
+  in.need(total, 4, "the operations that changed lines");
+  const Column words(in, static_cast<std::size_t>(total), "the operations that changed lines");
+  dexels.startHistory();
+  std::size_t next = 0, line = 0;
+  for (int row = 0; row < dexels.height(); ++row) {
+    std::uint32_t count = 0;
+    for (int column = 0; column < dexels.width(); ++column, ++line) {
+      count += unfolded(counts[line]);
+      if (count > total - next)
+        in.refuse(
+            fmt::format("line {} was changed by {} operations and {} are left; it must be no more than "
+                        "those",
+                        line, count, total - next));
+      std::uint32_t last = 0;
+      for (std::uint32_t k = 0; k < count; ++k, ++next) {
+        const std::uint32_t id = last + unfolded(words[next]);
+        if (id <= last || id >= names.size() || names[id] == 0)
+          in.refuse(
+              fmt::format("line {} was changed by operation {} after {}; they must ascend, be there ({} "
+                          "are), and of a run be the first",
+                          line, id, last, names.size() - 1));
+        dexels.noteChange(line, static_cast<OperationId>(id));
+        last = id;
+      }
+    }
+  }
+  if (next != total)
+    in.refuse(fmt::format("the lines were changed by {} operations of {}; it must be all", next, total));
 }
 
 }  // namespace restroke::points

@@ -109,6 +109,25 @@ struct DexelRenderOptions {
   std::string png;
 };
 
+struct DexelRefineOptions {
+  CommonOptions common;
+  std::string model;
+  std::string zone;
+  std::string method = "ends";
+  std::optional<int> resolution, times;
+  std::optional<double> cell;
+  std::string direction;  ///< "x,y,z"; empty: three families
+  bool perPixel = false;
+  double widening = 1;
+  std::string view = "three-quarter";
+  std::string size = "1280x960";
+  double zoom = 1;
+  int samples = 1;  ///< rays across a pixel
+  bool check = false;
+  std::string device = "cpu";
+  std::string out, png;
+};
+
 /// Each returns the exit status: 0, or 1 where a check found a difference.
 int runImport(const ImportOptions& options);
 int runReplay(const ReplayCommandOptions& options);
@@ -120,6 +139,7 @@ int runDexelBuild(const DexelBuildOptions& options);
 int runDexelApply(const DexelApplyOptions& options);
 int runDexelInfo(const DexelInfoOptions& options);
 int runDexelRender(const DexelRenderOptions& options);
+int runDexelRefine(const DexelRefineOptions& options);
 
 /// Becomes the program restroke-experiment that lies beside this one, with the arguments behind "experiment".
 /// Returns only by throwing InputError when there is none.

@@ -30,6 +30,7 @@ struct AllOptions {
   DexelApplyOptions dexelApply;
   DexelInfoOptions dexelInfo;
   DexelRenderOptions dexelRender;
+  DexelRefineOptions dexelRefine;
   ExportOptions dexelExport;
 };
 
@@ -163,8 +164,46 @@ CLI::App* addRetarget(CLI::App& app, RetargetOptions& o) {
 }
 
 struct DexelCommands {
-  CLI::App *build, *apply, *info, *render, *exporting;
+  CLI::App *build, *apply, *info, *render, *refine, *exporting;
 };
+
+CLI::App* addDexelRefine(CLI::App& group, DexelRefineOptions& o) {
+  CLI::App* c = group.add_subcommand(
+      "refine", "look closer: new lines in a zone, and on them only the operations that matter there");
+  c->footer(
+      "ends (default)   operations at the ends in the zone, both sides, and what the model's cells know\n"
+      "document         the operation that last trimmed each end, on an approximation (US 2013/0116983)\n"
+      "touching         all that ever changed a line through the zone (a model built with --history)\n"
+      "clusters         all that meet the zone, by clusters: exact\n"
+      "all              all that meet the zone, by asking each: exact");
+  c->add_option("model", o.model, "tri-dexel")->required();
+  c->add_option("--zone", o.zone,
+                "box:x,y,z,x,y,z (two corners; with ,qx,qy,qz,qw turned about its middle), sphere:x,y,z,r, "
+                "frustum (what --view sees) or frustum:near,far")
+      ->required();
+  c->add_option("--method", o.method, "see below");
+  c->add_option("--resolution", o.resolution, "lines along the zone's longest side, 1 to 8192, default 128");
+  c->add_option("--cell", o.cell, "from line to line in model units, in place of --resolution");
+  c->add_option("--times", o.times,
+                "in their place: the model's own lines in the zone, and so many for each; 1: those alone");
+  c->add_option("--direction", o.direction, "x,y,z: one family of lines along it, in place of three");
+  c->add_flag("--per-pixel", o.perPixel, "of a frustum: one line a pixel (also without --resolution)");
+  c->add_option("--widen", o.widening,
+                "of ends: collect from so many of the model's cells around, default 1");
+  c->add_option("--view", o.view,
+                "front, back, left, right, top, bottom, three-quarter (default) or px,py,pz:vx,vy,vz");
+  c->add_option("--size", o.size, "WxH in pixels, default 1280x960");
+  c->add_option("--zoom", o.zoom, "of a frustum: so many times larger about the picture's middle");
+  c->add_option("--samples", o.samples, "of a frustum's picture: rays along each side of a pixel, 1 to 8");
+  c->add_option("--device", o.device, "cpu (default) or opengl: where operations are replayed");
+  c->add_option(
+      "--out", o.out,
+      "what was refined: .tridexel (lines along x, y, z), a mesh (.stl, .ply, .obj, .3mf, .amf) or points "
+      "(.xyz)");
+  c->add_option("--png", o.png, "picture: of a frustum by its rays, of other zones by the ends");
+  addCommon(c, o.common);
+  return c;
+}
 
 DexelCommands addDexel(CLI::App& app, AllOptions& options) {
   CLI::App* group = app.add_subcommand("dexel", "solids as spans on three families of lines");
@@ -208,7 +247,8 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
   render->add_option("--png", r.png, "picture to write")->required();
   addCommon(render, r.common);
 
-  return {build, apply, info, render, addExport(*group, options.dexelExport)};
+  CLI::App* refine = addDexelRefine(*group, options.dexelRefine);
+  return {build, apply, info, render, refine, addExport(*group, options.dexelExport)};
 }
 
 int runProgram(int argc, char** argv) {
@@ -242,6 +282,7 @@ int runProgram(int argc, char** argv) {
   if (*dexel.apply) return runDexelApply(options.dexelApply);
   if (*dexel.info) return runDexelInfo(options.dexelInfo);
   if (*dexel.render) return runDexelRender(options.dexelRender);
+  if (*dexel.refine) return runDexelRefine(options.dexelRefine);
   if (*dexel.exporting) return runExport(options.dexelExport);
   if (*kinds) {
     fmt::print("{:<18}a ball about any point; its radius is the base's or the brush's\n{}", "sphere",

@@ -3,18 +3,13 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <optional>
 #include <span>
-#include <vector>
 
 #include "implicit/errors.h"
 #include "sculpt/document.h"
 
 namespace restroke::cli {
 
-namespace {
-
-// The numbers between separators; nothing when one of them is not a finite number.
 std::optional<std::vector<double>> numbersIn(std::string_view text, char separator) {
   std::vector<double> numbers;
   while (true) {
@@ -29,8 +24,6 @@ std::optional<std::vector<double>> numbersIn(std::string_view text, char separat
     text.remove_prefix(end + 1);
   }
 }
-
-}  // namespace
 
 sculpt::Repair repairNamed(std::string_view text) {
   if (text.empty()) return sculpt::Repair::None;

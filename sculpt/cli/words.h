@@ -3,10 +3,12 @@
 // which names the option.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "implicit/geometry/camera.h"
 #include "implicit/shape.h"
@@ -15,6 +17,9 @@
 #include "sculpt/stroke_log.h"
 
 namespace restroke::cli {
+
+/// The numbers between separators; nothing when one of them is not a finite number.
+[[nodiscard]] std::optional<std::vector<double>> numbersIn(std::string_view text, char separator);
 
 /// What --repair says: "winding" or nothing.
 [[nodiscard]] sculpt::Repair repairNamed(std::string_view text);

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 #include <xxhash.h>
-#include <zstd.h>
 
 #include <cmath>
 #include <cstring>
@@ -15,95 +14,13 @@
 
 #include "implicit/errors.h"
 #include "implicit/shapes/kinds.h"
-#include "tests/support/random_volumes.h"
+#include "tests/points/tridexel_file_support.h"
+#include "tests/points/tridexel_version1.h"
 
 namespace restroke::points {
 namespace {
 
-using implicit::Primitive;
-using implicit::PrimitiveList;
-using implicit::Shape;
-using implicit::Sign;
-using restroke::testing::Random;
-
-TriangleMesh tetrahedron() {
-  return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
-}
-
-// A list on its first primitive, with operations for the others and some tools in poses that changed nothing.
-TriDexelDocument documentOf(const std::vector<Primitive>& primitives, int resolution) {
-  PrimitiveList list;
-  for (const Primitive& primitive : primitives) list.append(primitive);
-  TriDexelDocument out;
-  out.initial = std::vector<Primitive>{primitives[0]};
-  for (std::size_t i = 1; i < primitives.size(); ++i)
-    out.operations.push_back(
-        {primitives[i].sign == Sign::Positive ? DexelOperation::Union : DexelOperation::Subtraction,
-         primitives[i].shape});
-  out.tools = {tetrahedron(), TriangleMesh{}};
-  TriDexelDocument::PosedTool posed{1};
-  posed.pose[3] = 0.1;
-  out.operations.push_back({DexelOperation::Intersection, posed});
-  out.model = triDexelOf(list, dexelGridFor(list.bounds(), {.resolution = resolution}));
-  return out;
-}
-
-TriDexelDocument randomDocument(std::uint64_t seed, std::size_t count, int resolution) {
-  Random random(seed);
-  std::vector<Primitive> primitives = {{{{0, 0, 0}, 1.0f}, Sign::Positive}};
-  while (primitives.size() < count)
-    primitives.push_back(restroke::testing::randomMixedPrimitive(random, primitives));
-  return documentOf(primitives, resolution);
-}
-
-TriDexelDocument smallDocument() {
-  return documentOf({{{{0, 0, 0}, 1.0f}, Sign::Positive}, {{{0.5f, 0, 0.5f}, 0.6f}, Sign::Negative}}, 4);
-}
-
-void expectSame(const TriDexelDocument& a, const TriDexelDocument& b) {
-  EXPECT_EQ(a.initial, b.initial);
-  EXPECT_EQ(a.tools, b.tools);
-  EXPECT_EQ(a.operations, b.operations);
-  EXPECT_EQ(a.model, b.model);
-  for (int axis = 0; axis < 3; ++axis)
-    EXPECT_EQ(a.model.family(axis).keepsOperations(), b.model.family(axis).keepsOperations());
-}
-
-// The sentence that refuses these contents; "" when they are read.
-std::string refusalOf(const std::string& contents) {
-  try {
-    (void)parseTriDexel(contents, "x.tridexel");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-struct File {
-  std::string head, body;
-};
-
-File unpackedFile(const std::string& contents) {
-  File out{contents.substr(0, 40), {}};
-  std::uint64_t size = 0;
-  std::memcpy(&size, contents.data() + 16, 8);
-  out.body.resize(size);
-  EXPECT_EQ(ZSTD_decompress(out.body.data(), size, contents.data() + 40, contents.size() - 40), size);
-  return out;
-}
-
-// With a header that fits.
-std::string packedFile(const std::string& body) {
-  std::string frame(ZSTD_compressBound(body.size()), '\0');
-  frame.resize(ZSTD_compress(frame.data(), frame.size(), body.data(), body.size(), 1));
-  std::string out("TRIDEXEL\1\0\0\0\0\0\0\0", 16);
-  const std::uint64_t sizes[2] = {body.size(), frame.size()};
-  out.append(reinterpret_cast<const char*>(sizes), 16);
-  const std::string hashed = out + frame;
-  const std::uint64_t hash = XXH3_64bits(hashed.data(), hashed.size());
-  out.append(reinterpret_cast<const char*>(&hash), 8);
-  return out + frame;
-}
+using namespace testing;
 
 TEST(TriDexelFile, R10ModelsOfAllKindsOfVolumeComeBackBitForBit) {
   for (const std::uint64_t seed : {1, 2, 3}) {
@@ -149,6 +66,26 @@ TEST(TriDexelFile, R10AnInitialMeshOrNothingAndModelsWithoutOperationsAreKept) {
   expectSame(parseTriDexel(formatTriDexel(document, "x"), "x"), document);
   document.model = TriDexel();
   expectSame(parseTriDexel(formatTriDexel(document, "x"), "x"), document);
+}
+
+TEST(TriDexelFile, R10FilesOfTheFirstVersionAreReadAndStillWritten) {
+  const struct {
+    std::string_view file;
+    std::uint64_t hash;
+    std::size_t operations;
+  } kept[] = {{kToolsOfVersion1, 0x41e6637e94513a34, 3}, {kKindsOfVersion1, 0x820b4a3fbf2d6814, 22}};
+  for (const auto& [file, hash, operations] : kept) {
+    const std::string contents = bytesOf(file);
+    ASSERT_EQ(contents[8], 1);
+    const TriDexelDocument document = parseTriDexel(contents, "x");
+    EXPECT_EQ(document.model.stateHash(), hash);
+    EXPECT_EQ(document.operations.size(), operations);
+    EXPECT_FALSE(document.model.keepsHistory());
+    const std::string again = formatTriDexel(document, "x");
+    EXPECT_EQ(again[8], 1);
+    // The frame may be packed otherwise by another zstd.
+    EXPECT_EQ(unpackedFile(again).body, unpackedFile(contents).body);
+  }
 }
 
 TEST(TriDexelFile, EveryDepthAndEveryNormalComesBack) {
@@ -231,9 +168,12 @@ TEST(TriDexelFile, EveryFlippedBitIsRefused) {
 
 TEST(TriDexelFile, OtherVersionsAndOtherFilesAreNamed) {
   std::string contents = formatTriDexel(smallDocument(), "x");
-  contents[8] = 2;
-  EXPECT_EQ(refusalOf(contents),
-            "x.tridexel: byte 8: this is version 2 of the format; version 1 can be read");
+  for (const char version : {char{0}, char{3}}) {
+    contents[8] = version;
+    EXPECT_EQ(refusalOf(contents),
+              fmt::format("x.tridexel: byte 8: this is version {} of the format; versions 1 to 2 can be read",
+                          static_cast<int>(version)));
+  }
   EXPECT_EQ(refusalOf("solid cube"),
             "x.tridexel: byte 0: this is no tri-dexel model; those begin with \"TRIDEXEL\"");
 }

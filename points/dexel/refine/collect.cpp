@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "implicit/errors.h"
+#include "points/dexel/refine/resultants.h"
 
 namespace restroke::points {
 
@@ -78,19 +79,22 @@ std::vector<OperationId> referencesIn(const TriDexel& model, const Zone& zone, E
   return found.ascending();
 }
 
-std::vector<OperationId> changesIn(const TriDexel& model, const Zone& zone, const DexelHistory& history) {
+std::vector<OperationId> changesIn(const TriDexelDocument& document, const Zone& zone,
+                                   const DexelHistory& history) {
   IdSet found(history.idCount());
   std::vector<OperationId> changes;
-  forLinesThrough(model, zone.bounds(), [&](int axis, const Dexels& dexels, std::size_t line, DVec3 p) {
-    DVec3 direction(0);
-    direction[axis] = 1;
-    if (!zone.clip({p, direction})) return;
-    changes.clear();
-    dexels.changesOf(line, changes);
-    for (const OperationId id : changes) found.add(id);
-  });
-  std::vector<OperationId> out;
-  for (const OperationId id : found.ascending())
+  forLinesThrough(document.model, zone.bounds(),
+                  [&](int axis, const Dexels& dexels, std::size_t line, DVec3 p) {
+                    DVec3 direction(0);
+                    direction[axis] = 1;
+                    if (!zone.clip({p, direction})) return;
+                    changes.clear();
+                    dexels.changesOf(line, changes);
+                    for (const OperationId id : changes) found.add(id);
+                  });
+  std::vector<OperationId> members, out;
+  for (const OperationId entry : found.ascending()) appendMembers(document, entry, members);
+  for (const OperationId id : members)
     if (zone.mayMeet(history.boundsOf(id))) out.push_back(id);
   return out;
 }

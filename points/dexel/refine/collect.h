@@ -22,8 +22,9 @@ enum class EndReferences : std::uint8_t {
                                                     EndReferences references, std::size_t ids);
 
 /// The operations that ever changed one of the model's lines that pass through the zone, and whose bounds
-/// meet it, ascending. The model must keep the histories of its lines. O(entries of those lines).
-[[nodiscard]] std::vector<OperationId> changesIn(const TriDexel& model, const Zone& zone,
+/// meet it, ascending; of runs that histories name, the members that meet it. The document's model must keep
+/// the histories of its lines. O(entries of those lines).
+[[nodiscard]] std::vector<OperationId> changesIn(const TriDexelDocument& document, const Zone& zone,
                                                  const DexelHistory& history);
 
 }  // namespace restroke::points

@@ -130,7 +130,7 @@ class Refinement {
         return referencesIn(model, zone_.widened(options_.widening * model.grid().cell()),
                             EndReferences::Both, history_.idCount());
       case RefineMethod::Touching: {
-        std::vector<OperationId> ids = changesIn(model, zone_, history_);
+        std::vector<OperationId> ids = changesIn(document_, zone_, history_);
         if (ids.empty() || ids.front() != OperationId::Initial) ids.insert(ids.begin(), OperationId::Initial);
         return ids;
       }
@@ -219,6 +219,18 @@ std::optional<double> RefinedModel::volume() const {
   }
   if (families.empty()) return std::nullopt;
   return sum / static_cast<double>(families.size());
+}
+
+TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
+  RESTROKE_CHECK_EQ(refined.families.size(), 3u);
+  TriDexel out(grid.grid);
+  for (int axis = 0; axis < 3; ++axis) {
+    Dexels& dexels = refined.families[static_cast<std::size_t>(axis)].dexels;
+    RESTROKE_CHECK_EQ(
+        dexels.width() == out.family(axis).width() && dexels.height() == out.family(axis).height(), true);
+    out.family(axis) = std::move(dexels);
+  }
+  return out;
 }
 
 RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "implicit/errors.h"
 #include "points/dexel/toolpath/torus_sector.h"
@@ -14,7 +15,7 @@ namespace {
 using lines::Flat2;
 using lines::Stretch;
 
-constexpr int kMostLevels = 18;
+constexpr std::size_t kMostLevels = 18;
 
 DVec3 unitOr(DVec3 n, DVec3 otherwise) {
   const double size = length(n);
@@ -186,40 +187,111 @@ ChordSweep::ChordSweep(const CutterProfile& cutter, const ArcPath& arc, double t
   // the distance between the unit directions. Against equal steps along the chord it is a little more.
   constexpr double kMargin = 0.9;
   Part part = whole();
-  for (;; ++levels_) {
-    const Flat2 middle = middleOf(part.begin, part.end, part.isLong);
-    const Flat2 step{middle.x - part.begin.x, middle.y - part.begin.y};
-    if (!part.isLong && arc_.radius * lines::dot(step, step) / 2 <= kMargin * tolerance) return;
-    if (levels_ == kMostLevels)
+  for (;;) {
+    const Flat2 middle = middleOf(part.beginAt, part.endAt, part.isLong);
+    const Flat2 step{middle.x - part.beginAt.x, middle.y - part.beginAt.y};
+    const double above = arc_.radius * lines::dot(step, step) / 2;
+    above_.push_back(above / kMargin);
+    if (!part.isLong && above <= kMargin * tolerance) break;
+    if (above_.size() > kMostLevels)
       throw InputError(fmt::format(
           "a path element is an arc of radius {:.6g} that is to be followed to within {:.6g}; that "
           "takes more than {} straight moves",
           arc_.radius, tolerance, 1 << kMostLevels));
-    part.end = middle;
+    part.endAt = middle;
     part.isLong = false;
   }
+  std::reverse(above_.begin(), above_.end());
 }
 
 ChordSweep::Part ChordSweep::whole() const {
-  return {arc_.begin, arc_.end, arc_.heightBegin, arc_.heightEnd, levels_, arc_.isLong || arc_.isWhole};
+  return {.beginAt = arc_.begin,
+          .endAt = arc_.end,
+          .begin = arc_.at(arc_.begin, arc_.heightBegin),
+          .end = arc_.at(arc_.end, arc_.heightEnd),
+          .heightBegin = arc_.heightBegin,
+          .heightEnd = arc_.heightEnd,
+          .level = above_.empty() ? 0 : static_cast<int>(above_.size()) - 1,
+          .isLong = arc_.isLong || arc_.isWhole};
 }
 
-// `meets(middle, reach)`: is it worth looking at what the tip leaves while it is within that distance of that
-// place? `leaf(from, to)`: a straight part.
-template <class Meets, class Leaf>
-void ChordSweep::descend(const Part& part, const Meets& meets, const Leaf& leaf) const {
-  const Flat2 middle = middleOf(part.begin, part.end, part.isLong);
+DVec3 ChordSweep::splitInto(std::vector<Part>& parts, const Part& part) const {
+  const Flat2 at = middleOf(part.beginAt, part.endAt, part.isLong);
   const double height = (part.heightBegin + part.heightEnd) / 2;
-  const DVec3 a = arc_.at(part.begin, part.heightBegin), b = arc_.at(part.end, part.heightEnd),
-              m = arc_.at(middle, height);
-  if (!meets(m, std::sqrt(std::max(dot(a - m, a - m), dot(b - m, b - m))))) return;
-  if (part.level == 0) {
-    leaf(a, b);
-    return;
-  }
-  descend({part.begin, middle, part.heightBegin, height, part.level - 1, false}, meets, leaf);
-  descend({middle, part.end, height, part.heightEnd, part.level - 1, false}, meets, leaf);
+  const DVec3 middle = arc_.at(at, height);
+  parts.push_back({part.beginAt, at, part.begin, middle, part.heightBegin, height, part.level - 1, false});
+  parts.push_back({at, part.endAt, middle, part.end, height, part.heightEnd, part.level - 1, false});
+  return middle;
 }
+
+ChordSweep::Reach ChordSweep::reachOf(const Part& part) const {
+  const DVec3 chord = part.end - part.begin;
+  // A straight part is its chord. Of more than half a turn all of the circle is reached.
+  if (part.isLong)
+    return {arc_.at({0, 0}, (part.heightBegin + part.heightEnd) / 2), arc_.radius + length(chord) / 2};
+  const double above = part.level == 0 ? 0 : above_[static_cast<std::size_t>(part.level)];
+  return {0.5 * (part.begin + part.end), length(chord) / 2 + above};
+}
+
+// Whether the cutter near a place could add to what is known of a line.
+class ChordSweep::Probe {
+ public:
+  Probe(const CutterProfile& cutter, bool isShankOnly, const LocalLine& line, const LinePieces& pieces)
+      : radius_(cutter.radius),
+        round_(isShankOnly ? 0 : cutter.shankBegin()),
+        low_(isShankOnly ? cutter.shankBegin() : 0),
+        high_(cutter.length),
+        line_(line),
+        pieces_(pieces) {}
+
+  // With the tip within `reach` of the place. False only if it adds nothing.
+  [[nodiscard]] bool mayAdd(DVec3 tip, double reach) const {
+    const DVec3 o = line_.origin - tip, e = line_.direction;
+    Stretch s = lines::between(o.z, e.z, low_ - reach, high_ + reach);
+    if (s.empty()) return false;
+    s.clip(lines::inCircle({o.x, o.y}, {e.x, e.y}, radius_ + reach));
+    if (s.empty()) return false;
+    const LocalSpan* known = nullptr;
+    for (const LocalSpan& span : pieces_.spans()) {
+      if (span.exit < s.enter || span.enter > s.exit) continue;
+      if (known) return true;
+      known = &span;
+    }
+    return !known || (s.enter < known->enter && mayPass(o, known->enter, -1, reach)) ||
+           (s.exit > known->exit && mayPass(o, known->exit, 1, reach));
+  }
+
+ private:
+  // Can the cutter be on the line beyond t? Not where it is farther than `reach` from the point at t, and its
+  // distance, which is convex, grows from there.
+  [[nodiscard]] bool mayPass(DVec3 origin, double t, double outwards, double reach) const {
+    const DVec3 e = line_.direction, p = origin + t * e;
+    const double rho = std::sqrt(p.x * p.x + p.y * p.y);
+    const double growth = rho > 0 ? (p.x * e.x + p.y * e.y) / rho : 0;
+    // The greatest of the distances from the side and the lower end, or from the rounded part of both, and
+    // from the upper end, and how it grows along the line.
+    double gap = p.z - high_, slope = e.z;
+    const auto take = [&](double itsGap, double itsSlope) {
+      if (itsGap > gap) {
+        gap = itsGap;
+        slope = itsSlope;
+      }
+    };
+    if (round_ > 0) {
+      const double out = std::max(0.0, rho - (radius_ - round_)), down = std::max(0.0, round_ - p.z);
+      const double distance = std::sqrt(out * out + down * down);
+      take(distance - round_, distance > 0 ? (out * growth - down * e.z) / distance : 0);
+    } else {
+      take(rho - radius_, growth);
+      take(low_ - p.z, -e.z);
+    }
+    return !(gap > reach && slope * outwards >= 0);
+  }
+
+  double radius_, round_, low_, high_;
+  const LocalLine& line_;
+  const LinePieces& pieces_;
+};
 
 void ChordSweep::intersect(const LocalLine& line, LinePieces& pieces) const {
   if (isBallExact_) {
@@ -236,18 +308,27 @@ void ChordSweep::intersect(const LocalLine& line, LinePieces& pieces) const {
     for (const Stretch& s : found)
       pieces.add({s.enter + shift, s.exit + shift, normalAt(s.enter), normalAt(s.exit)});
   }
-  const double low = isBallExact_ ? cutter_.shankBegin() : 0;
-  const auto meets = [&](DVec3 m, double reach) {
-    Stretch s = lines::between(line.origin.z - m.z, line.direction.z, low - reach, cutter_.length + reach);
-    if (s.empty()) return false;
-    s.clip(lines::inCircle({line.origin.x - m.x, line.origin.y - m.y}, {line.direction.x, line.direction.y},
-                           cutter_.radius + reach));
-    return !s.empty() && !pieces.covers(s.enter, s.exit);
-  };
-  descend(whole(), meets, [&](DVec3 a, DVec3 b) {
-    const StraightSweep sweep(cutter_, a, b);
+  const Probe probe(cutter_, isBallExact_, line, pieces);
+  const auto add = [&](DVec3 from, DVec3 to) {
+    const StraightSweep sweep(cutter_, from, to);
     pieces.add(isBallExact_ ? sweep.intersectShank(line) : sweep.intersect(line));
-  });
+  };
+  // Level by level, and the cutter in the middle of each part at once: soon most of the stretch is covered,
+  // and only those parts are left that could make it longer.
+  std::vector<Part> parts{whole()}, next;
+  while (!parts.empty()) {
+    next.clear();
+    for (const Part& part : parts) {
+      if (const Reach reach = reachOf(part); !probe.mayAdd(reach.center, reach.radius)) continue;
+      if (part.level == 0) {
+        add(part.begin, part.end);
+        continue;
+      }
+      const DVec3 middle = splitInto(next, part);
+      if (probe.mayAdd(middle, 0)) add(middle, middle);
+    }
+    std::swap(parts, next);
+  }
 }
 
 bool ChordSweep::contains(DVec3 p) const {
@@ -255,15 +336,21 @@ bool ChordSweep::contains(DVec3 p) const {
     const DVec3 up(0, 0, cutter_.radius), away = p - up - arc_.nearest(p - up);
     if (dot(away, away) <= cutter_.radius * cutter_.radius) return true;
   }
-  bool isInside = false;
-  const auto meets = [&](DVec3 m, double reach) {
-    const double x = p.x - m.x, y = p.y - m.y, wide = cutter_.radius + reach;
-    return !isInside && x * x + y * y <= wide * wide && p.z - m.z >= -reach &&
-           p.z - m.z <= cutter_.length + reach;
-  };
-  descend(whole(), meets,
-          [&](DVec3 a, DVec3 b) { isInside = isInside || StraightSweep(cutter_, a, b).contains(p); });
-  return isInside;
+  std::vector<Part> parts{whole()};
+  while (!parts.empty()) {
+    const Part part = parts.back();
+    parts.pop_back();
+    const Reach reach = reachOf(part);
+    const DVec3 q = p - reach.center;
+    const double wide = cutter_.radius + reach.radius;
+    if (q.x * q.x + q.y * q.y > wide * wide || q.z < -reach.radius || q.z > cutter_.length + reach.radius)
+      continue;
+    if (part.level > 0)
+      splitInto(parts, part);
+    else if (StraightSweep(cutter_, part.begin, part.end).contains(p))
+      return true;
+  }
+  return false;
 }
 
 }  // namespace restroke::points

@@ -28,8 +28,8 @@ class PlaneArcSweep {
 
 /// Along any arc or helix, by the straight sweeps between points of it, so many (a power of two, at even
 /// turns) that none of them is farther than `tolerance` from the arc between them: each point of the sweep is
-/// within the tolerance of the exact one, and the other way round. They are told apart by bisection of the
-/// arc for each line: O(logarithm of the points + those that the line passes near).
+/// within the tolerance of the exact one, and the other way round. Those that matter are found by
+/// bisection of the arc for each line: O(logarithm of the points + those that the line passes near).
 class ChordSweep {
  public:
   /// Throws InputError when more than 2^18 straight sweeps would be needed.
@@ -41,19 +41,28 @@ class ChordSweep {
   void takeBallExactly() { isBallExact_ = true; }
 
  private:
+  /// Of the arc, of 2^level straight parts.
   struct Part {
-    lines::Flat2 begin, end;
-    double heightBegin, heightEnd;
-    int level;
-    bool isLong;
+    lines::Flat2 beginAt, endAt;  ///< directions from the centre
+    DVec3 begin{0}, end{0};       ///< of the tip
+    double heightBegin = 0, heightEnd = 0;
+    int level = 0;
+    bool isLong = false;
   };
   [[nodiscard]] Part whole() const;
-  template <class Meets, class Leaf>
-  void descend(const Part& part, const Meets& meets, const Leaf& leaf) const;
+  /// Appends both halves, and returns where they meet.
+  DVec3 splitInto(std::vector<Part>& parts, const Part& part) const;
+  /// A ball that has all of a part of the tip's way.
+  struct Reach {
+    DVec3 center{0};
+    double radius = 0;
+  };
+  [[nodiscard]] Reach reachOf(const Part& part) const;
+  class Probe;
 
   CutterProfile cutter_;
   ArcPath arc_;
-  int levels_ = 0;
+  std::vector<double> above_;  // how far the arc is from the chord, of parts of each level
   bool isBallExact_ = false;
 };
 

@@ -38,12 +38,6 @@ class LinePieces {
     *at = all;
     spans_.erase(at + 1, spans_.begin() + static_cast<std::ptrdiff_t>(last));
   }
-  /// Does one of the stretches hold all of this one?
-  [[nodiscard]] bool covers(double enter, double exit) const {
-    for (const LocalSpan& s : spans_)
-      if (s.enter <= enter && exit <= s.exit) return true;
-    return false;
-  }
   [[nodiscard]] const std::vector<LocalSpan>& spans() const { return spans_; }
 
  private:

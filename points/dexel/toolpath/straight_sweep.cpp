@@ -230,18 +230,19 @@ void StraightSweep::addBall(const LocalLine& line, LocalSpan& span) const {
 
 // The place s of the disc, from 0 to 1, at which it is nearest: the root of the derivative of the squared
 // distance, half of it: -(1 - flat / |x|) (x . m) - b h, where x = q - s m across the axis, b = z - s h along
-// it. It grows with s. Beyond the disc it is curved one way on each side of where x is shortest, so that
-// Newton's method comes to the root from s = z / h without passing it.
+// it. It grows with s. Over the disc (|x| <= flat) its root is z / h. Else the root is between that and where
+// x is shortest; there the function is curved one way, so that Newton's method comes to the root from z / h
+// without passing it, and just so from an end of the way that lies between.
 StraightSweep::Nearest StraightSweep::nearestOfDisc(DVec3 q) const {
   const double flat = cutter_.radius - cutter_.cornerRadius, rise = move_.z;
   const Flat2 m{move_.x, move_.y}, x0{q.x, q.y};
   const double mm = across_ * across_;
   double s = 0;
   if (across_ != 0 && rise == 0) {
-    s = dot(x0, m) / mm;
+    s = std::clamp(dot(x0, m) / mm, 0.0, 1.0);
   } else if (across_ != 0) {
-    s = q.z * perHeight_;
-    const double c = cross(x0, m), cc = c * c, hh = rise * rise;
+    const double level = q.z * perHeight_, c = cross(x0, m), cc = c * c, hh = rise * rise;
+    s = std::clamp(level, 0.0, 1.0);
     constexpr int kMostSteps = 64;
     for (int k = 0; k < kMostSteps; ++k) {
       const Flat2 x{x0.x - s * m.x, x0.y - s * m.y};
@@ -250,15 +251,12 @@ StraightSweep::Nearest StraightSweep::nearestOfDisc(DVec3 q) const {
       const double size = std::sqrt(square), xm = dot(x, m), share = flat / size;
       const double value = -(1 - share) * xm - (q.z - s * rise) * rise;
       const double growth = mm - share * cc / square + hh;
-      const double next = s - value / growth;
-      if (std::fabs(next - s) <= 0x1p-50 * std::max(1.0, std::fabs(s))) {
-        s = next;
-        break;
-      }
+      const double next = std::clamp(s - value / growth, 0.0, 1.0);
+      const bool isThere = std::fabs(next - s) <= 0x1p-50;
       s = next;
+      if (isThere) break;
     }
   }
-  s = std::clamp(s, 0.0, 1.0);
   const Flat2 x{x0.x - s * m.x, x0.y - s * m.y};
   const double size = std::sqrt(dot(x, x)), beyond = size > flat ? 1 - flat / size : 0;
   const DVec3 away{beyond * x.x, beyond * x.y, q.z - s * rise};
