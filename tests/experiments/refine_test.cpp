@@ -43,11 +43,11 @@ double coveringOf(const RefineHistory& history, double inner) {
 }
 
 TEST(RefineHistories, StrewnBallsHaveTheDensityAndTheAdditionsThatWereAskedFor) {
-  const BallsOptions options{.operations = 3000, .density = 6, .additions = 0.25, .seed = 2};
+  const BallsOptions options{.operations = 20'000, .density = 6, .additions = 0.25, .seed = 2};
   const RefineHistory history = strewnBalls(options);
-  ASSERT_EQ(history.operations.size(), 3000u);
+  ASSERT_EQ(history.operations.size(), 20'000u);
   EXPECT_EQ(history.initial.size(), 1u);
-  EXPECT_NEAR(static_cast<double>(additionsOf(history)) / 3000, 0.25, 0.03);
+  EXPECT_NEAR(static_cast<double>(additionsOf(history)) / 20'000, 0.25, 0.01);
   EXPECT_NEAR(coveringOf(history, 0.3), 6, 0.5);
   const double mean = meanRadiusOf(options);
   for (const Primitive& each : history.operations) {
@@ -56,7 +56,7 @@ TEST(RefineHistories, StrewnBallsHaveTheDensityAndTheAdditionsThatWereAskedFor) 
     ASSERT_LE(static_cast<double>(each.shape.ball().radius), 1.501 * mean);
   }
   const auto count = static_cast<double>(operationsFor(options.density, mean, options.ground));
-  EXPECT_NEAR(count, 3000, 1) << "the one is the other's inverse";
+  EXPECT_NEAR(count, 20'000, 1) << "the one is the other's inverse";
 }
 
 TEST(RefineHistories, OnABallCentresAreInIt) {
@@ -371,7 +371,7 @@ TEST(Refine, RefusesLogsWithoutOperationsAndOptionsOutOfRange) {
   refused({bare}, tiny(), "bare");
   RefinementOptions options = tiny();
   options.loss.places = 0;
-  refused({}, options, "places 0");
+  refused({}, options, "0 places");
   options = tiny();
   options.loss.operations = 10;
   refused({}, options, "10 operations");
