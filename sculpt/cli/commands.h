@@ -113,7 +113,7 @@ struct DexelRefineOptions {
   CommonOptions common;
   std::string model;
   std::string zone;
-  std::string method = "ends";
+  std::string method = "all";
   std::optional<int> resolution, times;
   std::optional<double> cell;
   std::string direction;  ///< "x,y,z"; empty: three families

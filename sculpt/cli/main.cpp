@@ -171,11 +171,11 @@ CLI::App* addDexelRefine(CLI::App& group, DexelRefineOptions& o) {
   CLI::App* c = group.add_subcommand(
       "refine", "look closer: new lines in a zone, and on them only the operations that matter there");
   c->footer(
-      "ends (default)   operations at the ends in the zone, both sides, and what the model's cells know\n"
-      "document         the operation that last trimmed each end, on an approximation (US 2013/0116983)\n"
-      "touching         all that ever changed a line through the zone (a model built with --history)\n"
-      "clusters         all that meet the zone, by clusters: exact\n"
-      "all              all that meet the zone, by asking each: exact");
+      "all (default)    all operations that meet the zone, found by asking each: exact\n"
+      "clusters         the same, found by clusters, which a program that goes on running keeps: exact\n"
+      "touching         all that ever changed a line through the zone (of a model built with --history)\n"
+      "ends             those at the ends in the zone, on both sides, and what the model's cells know\n"
+      "document         the one that last trimmed each end, on an approximation (US 2013/0116983)");
   c->add_option("model", o.model, "tri-dexel")->required();
   c->add_option("--zone", o.zone,
                 "box:x,y,z,x,y,z (two corners; with ,qx,qy,qz,qw turned about its middle), sphere:x,y,z,r, "

@@ -221,6 +221,25 @@ std::optional<double> RefinedModel::volume() const {
   return sum / static_cast<double>(families.size());
 }
 
+namespace {
+
+// From the model's frame into the grid's.
+void turnNormals(Dexels& dexels, const ZoneGrid& grid) {
+  LineEnds ends;
+  for (std::size_t line = 0; line < dexels.lineCount(); ++line) {
+    if (dexels.isEmpty(line)) continue;
+    dexels.read(line, ends);
+    for (SpanEnd& end : ends) {
+      const DVec3 n(unpackNormal(end.normal));
+      const Vec3 turned(DVec3(dot(grid.axes[0], n), dot(grid.axes[1], n), dot(grid.axes[2], n)));
+      end.normal = packNormal(turned) | (end.normal & kPackedFlag);
+    }
+    dexels.write(line, ends);
+  }
+}
+
+}  // namespace
+
 TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
   RESTROKE_CHECK_EQ(refined.families.size(), 3u);
   TriDexel out(grid.grid);
@@ -229,6 +248,7 @@ TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
     RESTROKE_CHECK_EQ(
         dexels.width() == out.family(axis).width() && dexels.height() == out.family(axis).height(), true);
     out.family(axis) = std::move(dexels);
+    if (grid.isTurned()) turnNormals(out.family(axis), grid);
   }
   return out;
 }
