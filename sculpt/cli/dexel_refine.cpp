@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "implicit/simd/dispatch.h"
 #include "points/dexel/dexel_contour.h"
 #include "points/dexel/dexel_surfels.h"
 #include "points/dexel/gl/gl_line_replay.h"
@@ -19,6 +20,7 @@
 #include "points/images/png.h"
 #include "sculpt/cli/commands.h"
 #include "sculpt/cli/dexel_output.h"
+#include "sculpt/cli/replaying.h"
 #include "sculpt/cli/words.h"
 #include "sculpt/cli/zone_words.h"
 
@@ -255,12 +257,14 @@ int runDexelRefine(const DexelRefineOptions& options) {
                               {"lines", inZone},
                               {"ends", ends},
                               {"operations", history.idCount() - 1},
-                              {"collected", refined.ids.size()}};
+                              {"collected", refined.ids.size()},
+                              {"simd", implicit::simdLevelName()}};
   json["volume"] = volume ? nlohmann::ordered_json(*volume) : nlohmann::ordered_json(nullptr);
   std::string text = fmt::format(
       "{}: {} in the zone, {} span ends; {} of {} replayed ({})\n", options.model, plural(inZone, "line"),
       grouped(ends), plural(refined.ids.size(), "operation"), grouped(history.idCount()), nameOf(method));
   const RefinedModel::Times times = refined.times;
+  json["state_hash"] = hexHash(stateHash(refined));
   Writer(options, request, document).write(refined, execution);
   for (const std::string* file : {&options.out, &options.png})
     if (!file->empty()) text += fmt::format("{}\n", *file);

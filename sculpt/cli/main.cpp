@@ -288,7 +288,8 @@ int runProgram(int argc, char** argv) {
   const DexelCommands dexel = addDexel(app, options);
   const CLI::App* kinds = app.add_subcommand("kinds", "list the kinds of volume that bases and tips may be");
   // For the list of commands only: main hands its arguments on before anything is parsed.
-  app.add_subcommand("experiment", "measure: memory, retarget, scaling, dexel, refine (starts restroke-experiment)");
+  app.add_subcommand("experiment",
+                     "measure: memory, retarget, scaling, dexel, refine (starts restroke-experiment)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -1,10 +1,12 @@
 #include "points/dexel/refine/refine.h"
 
 #include <tbb/parallel_for.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 
 #include "implicit/errors.h"
 #include "implicit/parallel.h"
@@ -240,6 +242,25 @@ void turnNormals(Dexels& dexels, const ZoneGrid& grid) {
 }
 
 }  // namespace
+
+std::uint64_t stateHash(const RefinedModel& refined) {
+  static_assert(sizeof(SpanEnd) == 16);
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                              XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  LineEnds ends;
+  for (const RefinedFamily& family : refined.families) {
+    const std::int32_t size[2] = {family.dexels.width(), family.dexels.height()};
+    XXH3_64bits_update(state.get(), size, sizeof size);
+    for (std::size_t line = 0; line < family.dexels.lineCount(); ++line) {
+      family.dexels.read(line, ends);
+      const auto count = static_cast<std::uint32_t>(ends.size());
+      XXH3_64bits_update(state.get(), &count, sizeof count);
+      XXH3_64bits_update(state.get(), ends.data(), ends.size() * sizeof(SpanEnd));
+    }
+  }
+  return XXH3_64bits_digest(state.get());
+}
 
 TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
   RESTROKE_CHECK_EQ(refined.families.size(), 3u);

@@ -118,6 +118,9 @@ struct RefinedModel {
   [[nodiscard]] std::optional<double> volume() const;
 };
 
+/// Of the families' sizes and all their ends, bit for bit. O(lines + ends).
+[[nodiscard]] std::uint64_t stateHash(const RefinedModel& refined);
+
 /// The model on a zone's grid, whose three families were refined. Coordinates are those of the grid's frame.
 [[nodiscard]] TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined);
 
