@@ -81,6 +81,8 @@ struct DexelBuildOptions {
   std::optional<double> cell;
   std::string repair;
   std::string device = "cpu";  ///< or opengl
+  bool history = false;        ///< lines keep every operation that changed them
+  bool resultants = false;     ///< the history is merged
   std::string out;
 };
 
@@ -93,6 +95,7 @@ struct DexelApplyOptions {
   std::string tools;     ///< of a tool path: what its cutters are
   std::string mode;      ///< empty: cut, or what the tools file says
   std::string device = "cpu";
+  bool resultants = false;  ///< the history is merged
   std::string out;
 };
 
@@ -108,6 +111,7 @@ struct DexelRenderOptions {
   std::string size = "1280x960";
   std::string renderer = "cpu";
   std::string family = "all";  ///< or x, y, z
+  bool spans = false;          ///< as rods
   std::string png;
 };
 
@@ -115,7 +119,7 @@ struct DexelRefineOptions {
   CommonOptions common;
   std::string model;
   std::string zone;
-  std::string method = "ends";
+  std::string method = "all";
   std::optional<int> resolution, times;
   std::optional<double> cell;
   std::string direction;  ///< "x,y,z"; empty: three families
@@ -125,9 +129,10 @@ struct DexelRefineOptions {
   std::string size = "1280x960";
   double zoom = 1;
   int samples = 1;  ///< rays across a pixel
-  bool check = false;
   std::string device = "cpu";
   std::string out, png;
+  std::string spans;         ///< view of a picture of the spans as rods; empty: none
+  std::string family = "z";  ///< of the model's own spans in it
 };
 
 /// Each returns the exit status: 0, or 1 where a check found a difference.

@@ -138,6 +138,11 @@ int runDexelApply(const DexelApplyOptions& options) {
   }
   const DexelOperation operation = operationNamed(options.mode);
   TriDexelDocument document = points::readTriDexel(options.model);
+  if (options.device == "opengl" && document.model.keepsHistory())
+    throw InputError(
+        fmt::format("{}: its lines keep every operation that changes them, which --device opengl does not "
+                    "note; it must be cpu",
+                    options.model));
   const std::vector<PoseMatrix> poses =
       options.poses.empty() ? std::vector{points::kIdentityPose} : points::readPoses(options.poses);
   const Run run{document, operation, poses, executionOf(options.common)};
@@ -151,9 +156,10 @@ int runDexelApply(const DexelApplyOptions& options) {
   } else {
     applyShape(run, sculpt::shapeNamed(options.tool, sculpt::Repair::None, "--tool"));
   }
+  nlohmann::ordered_json more{{"poses", poses.size()}};
+  more.update(mergedIf(options.resultants, document, output, run.execution));
   points::writeTriDexel(options.out, document);
-  report(output, {options.out, document, std::chrono::duration<double>(Clock::now() - start).count()},
-         {{"poses", poses.size()}});
+  report(output, {options.out, document, std::chrono::duration<double>(Clock::now() - start).count()}, more);
   return 0;
 }
 

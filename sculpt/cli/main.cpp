@@ -163,6 +163,10 @@ CLI::App* addRetarget(CLI::App& app, RetargetOptions& o) {
   return c;
 }
 
+constexpr const char* kResultants =
+    "merge the history: without operations that decide nothing, and with runs of operations in the lines' "
+    "histories; says what that saves";
+
 struct DexelCommands {
   CLI::App *build, *apply, *info, *render, *refine, *exporting;
 };
@@ -171,11 +175,11 @@ CLI::App* addDexelRefine(CLI::App& group, DexelRefineOptions& o) {
   CLI::App* c = group.add_subcommand(
       "refine", "look closer: new lines in a zone, and on them only the operations that matter there");
   c->footer(
-      "ends (default)   operations at the ends in the zone, both sides, and what the model's cells know\n"
-      "document         the operation that last trimmed each end, on an approximation (US 2013/0116983)\n"
-      "touching         all that ever changed a line through the zone (a model built with --history)\n"
-      "clusters         all that meet the zone, by clusters: exact\n"
-      "all              all that meet the zone, by asking each: exact");
+      "all (default)    all operations that meet the zone, found by asking each: exact\n"
+      "clusters         the same, found by clusters, which a program that goes on running keeps: exact\n"
+      "touching         all that ever changed a line through the zone (of a model built with --history)\n"
+      "ends             those at the ends in the zone, on both sides, and what the model's cells know\n"
+      "document         the one that last trimmed each end, on an approximation (US 2013/0116983)");
   c->add_option("model", o.model, "tri-dexel")->required();
   c->add_option("--zone", o.zone,
                 "box:x,y,z,x,y,z (two corners; with ,qx,qy,qz,qw turned about its middle), sphere:x,y,z,r, "
@@ -200,6 +204,11 @@ CLI::App* addDexelRefine(CLI::App& group, DexelRefineOptions& o) {
       "--out", o.out,
       "what was refined: .tridexel (lines along x, y, z), a mesh (.stl, .ply, .obj, .3mf, .amf) or points "
       "(.xyz)");
+  c->add_option(
+      "--spans", o.spans,
+      "a view: the picture shows the spans as rods from there, the new ones, the zone's edges, and the "
+      "model's own along --family");
+  c->add_option("--family", o.family, "with --spans: x, y, z (default) or all");
   c->add_option("--png", o.png, "picture: of a frustum by its rays, of other zones by the ends");
   addCommon(c, o.common);
   return c;
@@ -219,6 +228,8 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
   build->add_option("--cell", b.cell, "from line to line in model units, in place of --resolution");
   build->add_option("--repair", b.repair, "winding: what to make of a mesh that is no boundary of a solid");
   build->add_option("--device", b.device, "cpu (default), or opengl: a mesh is sampled by drawing it");
+  build->add_flag("--history", b.history, "lines keep every operation that changes them, from now on");
+  build->add_flag("--resultants", b.resultants, kResultants);
   build->add_option("--out", b.out, "tri-dexel to write")->required();
   addCommon(build, b.common);
 
@@ -239,6 +250,7 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
       "--mode", a.mode,
       "cut (default; of --toolpath what --tools says), add, or intersect: keep what is within the tool");
   apply->add_option("--device", a.device, "cpu (default), or opengl: a mesh tool is sampled by drawing it");
+  apply->add_flag("--resultants", a.resultants, kResultants);
   apply->add_option("--out", a.out, "tri-dexel to write")->required();
   addCommon(apply, a.common);
 
@@ -255,6 +267,7 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
   render->add_option("--size", r.size, "WxH in pixels, default 1280x960");
   render->add_option("--renderer", r.renderer, "cpu (default) or opengl");
   render->add_option("--family", r.family, "x, y or z: the ends of one family of lines only; default all");
+  render->add_flag("--spans", r.spans, "the spans as rods");
   render->add_option("--png", r.png, "picture to write")->required();
   addCommon(render, r.common);
 
@@ -275,7 +288,7 @@ int runProgram(int argc, char** argv) {
   const DexelCommands dexel = addDexel(app, options);
   const CLI::App* kinds = app.add_subcommand("kinds", "list the kinds of volume that bases and tips may be");
   // For the list of commands only: main hands its arguments on before anything is parsed.
-  app.add_subcommand("experiment", "measure: memory, retarget, scaling, dexel (starts restroke-experiment)");
+  app.add_subcommand("experiment", "measure: memory, retarget, scaling, dexel, refine (starts restroke-experiment)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

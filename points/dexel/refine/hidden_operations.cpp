@@ -331,10 +331,10 @@ HiddenOperations hiddenOperations(const TriDexelDocument& document, std::span<co
           }
         });
   });
-  out.bounds.reserve(count);
+  out.balls.reserve(count);
   out.coverBegin.reserve(count + 1);
   for (std::size_t i = 0; i < count; ++i) {
-    out.bounds.push_back(search.steps().box(first + i));
+    out.balls.push_back(search.steps().ball(first + i));
     out.coverBegin.push_back(static_cast<std::uint32_t>(out.covers.size()));
     for (const std::uint32_t step : covers[i]) out.covers.push_back(step - static_cast<std::uint32_t>(first));
   }

@@ -34,7 +34,7 @@ enum class OperationVerdict : std::uint8_t {
 
 struct HiddenOperations {
   std::vector<OperationVerdict> verdicts;  ///< of document.operations
-  std::vector<Box> bounds;                 ///< of document.operations; hold what they change
+  std::vector<implicit::Sphere> balls;     ///< hold the solids of document.operations
   /// Of operation i, hidden or covered: the indices covers[coverBegin[i]] to covers[coverBegin[i + 1] - 1] of
   /// the later operations that decide together what it decides; these may be hidden or covered themselves.
   std::vector<std::uint32_t> coverBegin, covers;

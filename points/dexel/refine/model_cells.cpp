@@ -80,6 +80,7 @@ class Edges {
 
 ModelCells::ModelCells(const TriDexel& model, const Box& box, const Execution& execution) {
   const DexelGrid& grid = model.grid();
+  std::array<int, 3>& counts = cells_.counts;
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<std::size_t>(a);
     const int points = grid.counts()[i];
@@ -87,21 +88,21 @@ ModelCells::ModelCells(const TriDexel& model, const Box& box, const Execution& e
     const int low = std::clamp(grid.firstFrom(a, static_cast<double>(box.min[a])) - 1, -1, points - 1),
               high = std::clamp(grid.firstFrom(a, static_cast<double>(box.max[a])), 0, points);
     first_[i] = low;
-    counts_[i] = std::max(0, high - low);
-    for (int k = 0; k <= counts_[i]; ++k) planes_[i].push_back(static_cast<double>(grid.at(a, low + k)));
+    counts[i] = std::max(0, high - low);
+    for (int k = 0; k <= counts[i]; ++k) cells_.planes[i].push_back(static_cast<double>(grid.at(a, low + k)));
   }
-  const auto count = [&](std::size_t a) { return static_cast<std::size_t>(counts_[a]); };
-  kinds_.resize(count(0) * count(1) * count(2));
-  if (kinds_.empty()) return;
+  const auto count = [&](std::size_t a) { return static_cast<std::size_t>(counts[a]); };
+  cells_.kinds.resize(count(0) * count(1) * count(2));
+  if (cells_.kinds.empty()) return;
   inArena(execution, [&] {
-    Edges x(model, 0, first_, counts_), y(model, 1, first_, counts_), z(model, 2, first_, counts_);
+    Edges x(model, 0, first_, counts), y(model, 1, first_, counts), z(model, 2, first_, counts);
     x.fill();
     y.fill();
     z.fill();
-    tbb::parallel_for(0, counts_[2], [&](int k) {
-      for (int j = 0; j < counts_[1]; ++j) {
+    tbb::parallel_for(0, counts[2], [&](int k) {
+      for (int j = 0; j < counts[1]; ++j) {
         Kind* const kinds =
-            &kinds_[(static_cast<std::size_t>(k) * count(1) + static_cast<std::size_t>(j)) * count(0)];
+            &cells_.kinds[(static_cast<std::size_t>(k) * count(1) + static_cast<std::size_t>(j)) * count(0)];
         const std::uint8_t *x0 = x.row(j, k), *x1 = x.row(j + 1, k), *x2 = x.row(j, k + 1),
                            *x3 = x.row(j + 1, k + 1), *y0 = y.row(j, k), *y1 = y.row(j, k + 1),
                            *z0 = z.row(j, k), *z1 = z.row(j + 1, k);
@@ -111,27 +112,54 @@ ModelCells::ModelCells(const TriDexel& model, const Box& box, const Execution& e
       }
     });
   });
+  makeBlocks();
+  for (Level* level : {&cells_, &blocks_})
+    for (std::size_t a = 0; a < 3; ++a) level->perUnit[a] = 1 / (level->planes[a][1] - level->planes[a][0]);
 }
 
-int ModelCells::cellAlong(int axis, double coordinate) const {
+void ModelCells::makeBlocks() {
+  for (std::size_t a = 0; a < 3; ++a) {
+    const int cells = cells_.counts[a];
+    blocks_.counts[a] = (cells + kBlock - 1) / kBlock;
+    for (int i = 0; i <= blocks_.counts[a]; ++i)
+      blocks_.planes[a].push_back(cells_.planes[a][static_cast<std::size_t>(std::min(i * kBlock, cells))]);
+  }
+  const auto count = [](const Level& level, std::size_t a) {
+    return static_cast<std::size_t>(level.counts[a]);
+  };
+  blocks_.kinds.assign(count(blocks_, 0) * count(blocks_, 1) * count(blocks_, 2), Kind{});
+  for (std::size_t z = 0; z < count(cells_, 2); ++z)
+    for (std::size_t y = 0; y < count(cells_, 1); ++y) {
+      const Kind* const row = &cells_.kinds[(z * count(cells_, 1) + y) * count(cells_, 0)];
+      Kind* const blocks = &blocks_.kinds[(z / kBlock * count(blocks_, 1) + y / kBlock) * count(blocks_, 0)];
+      for (std::size_t x = 0; x < count(cells_, 0); ++x) {
+        Kind& block = blocks[x / kBlock];
+        block = static_cast<Kind>(static_cast<std::uint8_t>(block) | static_cast<std::uint8_t>(row[x]));
+      }
+    }
+}
+
+int ModelCells::cellAlong(const Level& level, const Range& range, int axis, double coordinate) {
   const auto a = static_cast<std::size_t>(axis);
-  const std::vector<double>& planes = planes_[a];
-  const double guess = (coordinate - planes[0]) / (planes[1] - planes[0]);
-  int cell = static_cast<int>(std::clamp(guess, 0.0, counts_[a] - 1.0));
-  while (cell > 0 && planes[static_cast<std::size_t>(cell)] > coordinate) --cell;
-  while (cell + 1 < counts_[a] && planes[static_cast<std::size_t>(cell) + 1] <= coordinate) ++cell;
+  const std::vector<double>& planes = level.planes[a];
+  const double guess = (coordinate - planes[0]) * level.perUnit[a];
+  int cell = static_cast<int>(
+      std::clamp(guess, static_cast<double>(range.first[a]), static_cast<double>(range.end[a] - 1)));
+  while (cell > range.first[a] && planes[static_cast<std::size_t>(cell)] > coordinate) --cell;
+  while (cell + 1 < range.end[a] && planes[static_cast<std::size_t>(cell) + 1] <= coordinate) ++cell;
   return cell;
 }
 
 std::optional<std::array<int, 3>> ModelCells::rowOf(const Ray& line) const {
-  if (kinds_.empty()) return std::nullopt;
+  if (cells_.kinds.empty()) return std::nullopt;
   for (int a = 0; a < 3; ++a) {
     const int u = (a + 1) % 3, v = (a + 2) % 3;
     if (line.direction[u] != 0 || line.direction[v] != 0) continue;
     const auto at = [&](int axis) {
-      const std::vector<double>& planes = planes_[static_cast<std::size_t>(axis)];
+      const std::vector<double>& planes = cells_.planes[static_cast<std::size_t>(axis)];
       const double x = line.origin[axis];
-      return x < planes.front() || x > planes.back() ? -1 : cellAlong(axis, x);
+      return x < planes.front() || x > planes.back() ? -1
+                                                     : cellAlong(cells_, {{0, 0, 0}, cells_.counts}, axis, x);
     };
     return std::array<int, 3>{a, at(u), at(v)};
   }
@@ -139,9 +167,9 @@ std::optional<std::array<int, 3>> ModelCells::rowOf(const Ray& line) const {
 }
 
 RayInterval ModelCells::within(const Ray& line, RayInterval in) const {
-  if (kinds_.empty()) return {in.enter, in.enter};
+  if (cells_.kinds.empty()) return {in.enter, in.enter};
   for (int a = 0; a < 3; ++a) {
-    const std::vector<double>& planes = planes_[static_cast<std::size_t>(a)];
+    const std::vector<double>& planes = cells_.planes[static_cast<std::size_t>(a)];
     const double low = planes.front() - line.origin[a], high = planes.back() - line.origin[a],
                  rate = line.direction[a];
     if (rate == 0) {
@@ -158,10 +186,10 @@ ModelCells::Kind ModelCells::at(const std::array<int, 3>& cell) const {
   std::size_t index = 0;
   for (std::size_t a = 3; a-- > 0;) {
     const int i = cell[a] - first_[a];
-    if (i < 0 || i >= counts_[a]) return Kind::Empty;
-    index = index * static_cast<std::size_t>(counts_[a]) + static_cast<std::size_t>(i);
+    if (i < 0 || i >= cells_.counts[a]) return Kind::Empty;
+    index = index * static_cast<std::size_t>(cells_.counts[a]) + static_cast<std::size_t>(i);
   }
-  return kinds_[index];
+  return cells_.kinds[index];
 }
 
 }  // namespace restroke::points

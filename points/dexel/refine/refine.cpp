@@ -95,8 +95,8 @@ Sorts sortsOf(const TriDexelDocument& document, const std::vector<OperationId>& 
 class Refinement {
  public:
   Refinement(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
-             const RefineOptions& options)
-      : document_(document), history_(history), zone_(zone), options_(options) {}
+             const RefineOptions& options, const LineReplayer& replayer)
+      : document_(document), history_(history), zone_(zone), options_(options), replay_(replayer) {}
 
   RefinedModel run(const std::vector<LineFamily>& families, const Execution& execution) {
     out_.ids = timed(out_.times.collect, [&] { return collect(); });
@@ -148,7 +148,7 @@ class Refinement {
   [[nodiscard]] Dexels replayed(const LinesInZone& lines, const ModelCells* known,
                                 const Execution& execution) {
     return timed(out_.times.replay,
-                 [&] { return replay(history_, out_.ids, lines, execution, {.known = known}); });
+                 [&] { return replay_(history_, out_.ids, lines, execution, {.known = known}); });
   }
 
   [[nodiscard]] Dexels byDocument(const LinesInZone& lines, const ModelCells& cells,
@@ -161,10 +161,10 @@ class Refinement {
       std::span<const OperationId> ids = out_.ids;
       if (upper && !ids.empty() && ids.front() == OperationId::Initial) {
         // Of the upper approximation only what the initial solid holds.
-        start = both(start, replay(history_, ids.first(1), lines, execution));
+        start = both(start, replay_(history_, ids.first(1), lines, execution, {}));
         ids = ids.subspan(1);
       }
-      return replay(history_, ids, lines, execution, {.start = &start});
+      return replay_(history_, ids, lines, execution, {.start = &start});
     });
   }
 
@@ -189,6 +189,7 @@ class Refinement {
   const DexelHistory& history_;
   const Zone& zone_;
   const RefineOptions& options_;
+  const LineReplayer& replay_;
   RefinedModel out_;
 };
 
@@ -221,6 +222,25 @@ std::optional<double> RefinedModel::volume() const {
   return sum / static_cast<double>(families.size());
 }
 
+namespace {
+
+// From the model's frame into the grid's.
+void turnNormals(Dexels& dexels, const ZoneGrid& grid) {
+  LineEnds ends;
+  for (std::size_t line = 0; line < dexels.lineCount(); ++line) {
+    if (dexels.isEmpty(line)) continue;
+    dexels.read(line, ends);
+    for (SpanEnd& end : ends) {
+      const DVec3 n(unpackNormal(end.normal));
+      const Vec3 turned(DVec3(dot(grid.axes[0], n), dot(grid.axes[1], n), dot(grid.axes[2], n)));
+      end.normal = packNormal(turned) | (end.normal & kPackedFlag);
+    }
+    dexels.write(line, ends);
+  }
+}
+
+}  // namespace
+
 TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
   RESTROKE_CHECK_EQ(refined.families.size(), 3u);
   TriDexel out(grid.grid);
@@ -229,6 +249,7 @@ TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
     RESTROKE_CHECK_EQ(
         dexels.width() == out.family(axis).width() && dexels.height() == out.family(axis).height(), true);
     out.family(axis) = std::move(dexels);
+    if (grid.isTurned()) turnNormals(out.family(axis), grid);
   }
   return out;
 }
@@ -236,11 +257,17 @@ TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
 RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
                     const std::vector<LineFamily>& lines, const RefineOptions& options,
                     const Execution& execution) {
+  return refine(document, history, zone, lines, options, execution, replay);
+}
+
+RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
+                    const std::vector<LineFamily>& lines, const RefineOptions& options,
+                    const Execution& execution, const LineReplayer& replayer) {
   refuse(document.model, options.method);
   if (!(std::isfinite(options.widening) && options.widening >= 0 && options.widening <= kMostLines))
     throw InputError(fmt::format("the zone is to be widened by {} cells; it must be 0 to {}",
                                  options.widening, kMostLines));
-  return Refinement(document, history, zone, options).run(lines, execution);
+  return Refinement(document, history, zone, options, replayer).run(lines, execution);
 }
 
 }  // namespace restroke::points

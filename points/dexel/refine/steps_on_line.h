@@ -25,8 +25,12 @@ class StepsOnLine {
   /// `steps` in order; `start` is what the line held before them.
   explicit StepsOnLine(std::span<const HistoryStep> steps) : steps_(steps) {}
 
+  [[nodiscard]] static bool isStep(std::uint32_t owner) { return owner < LinePainter::kKnownEmpty; }
   [[nodiscard]] bool fills(std::uint32_t step) const {
     return steps_[step].operation == DexelOperation::Union;
+  }
+  [[nodiscard]] OperationId idOf(std::uint32_t owner) const {
+    return isStep(owner) ? steps_[owner].id : OperationId::None;
   }
   [[nodiscard]] std::span<const HistoryStep> steps() const { return steps_; }
 
@@ -37,6 +41,29 @@ class StepsOnLine {
                   last = std::min(static_cast<float>(exit), line.to);
       if (first < last) painter.paint(first, last, step);
     });
+  }
+
+  /// A stretch of the whole line that a step decides.
+  struct Stretch {
+    float enter, exit;
+  };
+  /// Appends them, ascending.
+  void stretchesOf(std::uint32_t step, const Ray& line, std::vector<Stretch>& stretches) {
+    forStretches(step, line, [&](double enter, double exit, auto) {
+      stretches.push_back({static_cast<float>(enter), static_cast<float>(exit)});
+    });
+  }
+
+  /// Where an owner gives way to another on a line, and the solid begins or ends.
+  struct Border {
+    float depth;
+    std::uint32_t before, after;
+    bool begins;
+  };
+  /// The normal of its end; at least one of the owners is a step.
+  [[nodiscard]] PackedNormal normalAt(const Border& border, const Ray& line) {
+    return normalAt({border.depth, border.before, !border.begins},
+                    {border.depth, border.after, border.begins}, line, {});
   }
 
   /// The ends of a painted line; `start`: what the line held where no step has decided.
@@ -74,12 +101,8 @@ class StepsOnLine {
     bool solid;
   };
 
-  [[nodiscard]] static bool isStep(std::uint32_t owner) { return owner < LinePainter::kKnownEmpty; }
   [[nodiscard]] bool isSolid(std::uint32_t owner) const {
     return isStep(owner) ? fills(owner) : owner == LinePainter::kKnownFull;
-  }
-  [[nodiscard]] OperationId idOf(std::uint32_t owner) const {
-    return isStep(owner) ? steps_[owner].id : OperationId::None;
   }
 
   // Calls f(enter, exit, normalAt) for the stretches of the whole line that the step decides; normalAt(false)
