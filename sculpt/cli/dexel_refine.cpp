@@ -8,6 +8,7 @@
 
 #include "points/dexel/dexel_contour.h"
 #include "points/dexel/dexel_surfels.h"
+#include "points/dexel/gl/gl_line_replay.h"
 #include "points/dexel/refine/ray_picture.h"
 #include "points/dexel/refine/refine.h"
 #include "points/dexel/refine/refined_surfels.h"

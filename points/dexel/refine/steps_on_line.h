@@ -105,6 +105,22 @@ class StepsOnLine {
     return isStep(owner) ? fills(owner) : owner == LinePainter::kKnownFull;
   }
 
+  // Most lines of a solid's rectangle on the raster miss it: sweeps are long and thin.
+  [[nodiscard]] static bool meets(const Ray& line, const Box& box) {
+    double enter = -std::numeric_limits<double>::infinity(), exit = -enter;
+    for (int a = 0; a < 3; ++a) {
+      const double low = static_cast<double>(box.min[a]) - line.origin[a],
+                   high = static_cast<double>(box.max[a]) - line.origin[a], rate = line.direction[a];
+      if (rate == 0) {
+        if (low > 0 || high < 0) return false;
+        continue;
+      }
+      enter = std::max(enter, (rate > 0 ? low : high) / rate);
+      exit = std::min(exit, (rate > 0 ? high : low) / rate);
+    }
+    return enter <= exit;
+  }
+
   // Calls f(enter, exit, normalAt) for the stretches of the whole line that the step decides; normalAt(false)
   // is the solid's normal at the beginning, that of the model's surface there.
   template <class F>
@@ -122,7 +138,7 @@ class StepsOnLine {
     }
     spans_.clear();
     if (!step.ball) {
-      step.solid->intersect(line, spans_);
+      if (meets(line, step.solid->bounds())) step.solid->intersect(line, spans_);
     } else if (const auto in = intersect(*step.ball, line)) {
       spans_.push_back({in->enter, in->exit, Vec3(outwardNormal(*step.ball, line.at(in->enter))),
                         Vec3(outwardNormal(*step.ball, line.at(in->exit)))});
