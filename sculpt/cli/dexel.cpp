@@ -131,6 +131,7 @@ int runDexelBuild(const DexelBuildOptions& options) {
       kind == SourceKind::Mesh      ? ofMesh(options, points::readMesh(options.source), notes)
       : kind == SourceKind::Project ? ofMesh(options, stockOf(sculpt::readToolsFile(options.source)), notes)
                                     : ofLog(options);
+  notes.json.update(mergedIf(options.resultants, document, output, executionOf(options.common)));
   points::writeTriDexel(options.out, document);
   report(output, {options.out, document, std::chrono::duration<double>(Clock::now() - start).count()},
          notes.json);

@@ -121,23 +121,9 @@ void applyToolDrawn(const Run& run, const points::DexelTool& tool) {
   run.document.model = model.download();
 }
 
-}  // namespace
-
-int runDexelApply(const DexelApplyOptions& options) {
-  const auto start = Clock::now();
-  checkDevice(options.device);
-  checkToolpathOptions(options);
-  Output output(options.common);
-  if (!options.toolpath.empty()) {
-    TriDexelDocument document = points::readTriDexel(options.model);
-    const nlohmann::ordered_json notes = applyToolpath(options, document);
-    points::writeTriDexel(options.out, document);
-    report(output, {options.out, document, std::chrono::duration<double>(Clock::now() - start).count()},
-           notes);
-    return 0;
-  }
+// One tool in each of the poses; returns what is to be reported.
+nlohmann::ordered_json applyInPoses(const DexelApplyOptions& options, TriDexelDocument& document) {
   const DexelOperation operation = operationNamed(options.mode);
-  TriDexelDocument document = points::readTriDexel(options.model);
   if (options.device == "opengl" && document.model.keepsHistory())
     throw InputError(
         fmt::format("{}: its lines keep every operation that changes them, which --device opengl does not "
@@ -156,8 +142,20 @@ int runDexelApply(const DexelApplyOptions& options) {
   } else {
     applyShape(run, sculpt::shapeNamed(options.tool, sculpt::Repair::None, "--tool"));
   }
-  nlohmann::ordered_json more{{"poses", poses.size()}};
-  more.update(mergedIf(options.resultants, document, output, run.execution));
+  return {{"poses", poses.size()}};
+}
+
+}  // namespace
+
+int runDexelApply(const DexelApplyOptions& options) {
+  const auto start = Clock::now();
+  checkDevice(options.device);
+  checkToolpathOptions(options);
+  Output output(options.common);
+  TriDexelDocument document = points::readTriDexel(options.model);
+  nlohmann::ordered_json more =
+      options.toolpath.empty() ? applyInPoses(options, document) : applyToolpath(options, document);
+  more.update(mergedIf(options.resultants, document, output, executionOf(options.common)));
   points::writeTriDexel(options.out, document);
   report(output, {options.out, document, std::chrono::duration<double>(Clock::now() - start).count()}, more);
   return 0;

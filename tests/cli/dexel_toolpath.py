@@ -88,6 +88,15 @@ class Paths(Toolpath):
         info = self.dexel("info", self.out)
         self.assertEqual((info["operations"], info["cutters"], info["state_hash"]), (4, 2, made["state_hash"]))
 
+    def test_r7_the_history_of_a_path_is_merged_when_asked(self):
+        self.stock("32")
+        again = "T1 G0 Z5\nG1 Z-2\nX5\nX0\nX5\nX0\n"
+        plain, merged = self.cut(again), self.cut(again, "--resultants", out=self.path("r.tridexel"))
+        self.assertEqual(merged["elements"], plain["elements"])
+        self.assertEqual(merged["resultants"]["operations_before"], plain["operations"])
+        self.assertLess(merged["operations"], plain["operations"])
+        self.assertEqual(merged["volumes"], plain["volumes"])
+
     def test_r8_nozzles_add_and_the_grid_grows(self):
         self.stock("80")
         program = "T5 G1 X-10 Y0 Z0\nX10\n"
