@@ -48,8 +48,8 @@ struct HiddenOperations {
 /// borders apart on lines whose depths are less than 16 times the coordinates of the model and its
 /// operations.
 ///
-/// The same for any number of threads. O(operations x those that touch the same cluster cell), a few of them
-/// in practice. Throws InputError as DexelHistory does.
+/// The same for any number of threads. O(operations x those that touch the same cluster cell, at most some
+/// thousands). Throws InputError as DexelHistory does.
 [[nodiscard]] HiddenOperations hiddenOperations(const TriDexelDocument& document,
                                                 std::span<const std::uint8_t> isKept,
                                                 const Execution& execution = {});
