@@ -11,6 +11,7 @@
 #include "points/dexel/refine/model_cells.h"
 #include "points/dexel/refine/refine.h"
 #include "tests/points/dexel_gl_support.h"
+#include "tests/points/refine_support.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/effort.h"
 #include "tests/support/meshes.h"
@@ -302,6 +303,29 @@ TEST_F(GlLineReplays, StartFromThousandsOfEnds) {
   expectSameBits(GlLineReplay(gl())(history, ids, lines, {}, {.start = &start}), cpu);
 }
 
+// One solid that meets a line hundreds of times: what a work item does at a time ends within it.
+TEST_F(GlLineReplays, GoThroughHundredsOfWalls) {
+  const int walls = kSanitized ? 40 : 800;
+  TriangleMesh mesh;
+  for (int i = 0; i < walls; ++i) {
+    const float low = 2 * static_cast<float>(i) / static_cast<float>(walls) - 1;
+    mesh = restroke::testing::together(
+        std::move(mesh),
+        restroke::testing::boxMesh({-0.8f, -0.8f, low}, {0.8f, 0.8f, low + 1 / static_cast<float>(walls)}));
+  }
+  TriDexelDocument document;
+  document.tools = {std::move(mesh)};
+  document.operations = {{DexelOperation::Union, TriDexelDocument::PosedTool{0, kIdentityPose}}};
+  const DexelHistory history(document);
+  const Zone zone{Sphere{Point(0), 1.1f}};
+  for (const LineFamily& family : newLines(zone, {.resolution = 5, .direction = DVec3(0.1, 0.2, 1)})) {
+    const LinesInZone lines = linesInZone(family, zone);
+    const Dexels cpu = replay(history, allOf(history), lines);
+    expectSameBits(GlLineReplay(gl())(history, allOf(history), lines), cpu);
+    EXPECT_GT(cpu.endCount(), 10 * static_cast<std::size_t>(walls));
+  }
+}
+
 TEST_F(GlLineReplays, AreTheSameHoweverTheWorkIsCut) {
   Random random(51);
   const TriDexelDocument document = mixedSolids(random, 40);
@@ -375,16 +399,7 @@ TEST_F(GlLineReplays, StartFromOtherDexels) {
 TEST_F(GlLineReplays, RefineAsTheCpuDoes) {
   Random random(81);
   TriDexelDocument document = denseBalls(random, kSanitized ? 60 : 300);
-  Box box;
-  box.add({Point(-1.2f), Point(1.2f)});
-  document.model = TriDexel(DexelGrid(box, 0.06));
-  document.model.apply(std::get<std::vector<Primitive>>(document.initial), OperationId{0});
-  std::uint32_t id = 1;
-  for (const Operation& operation : document.operations) {
-    const Primitive primitive{std::get<implicit::Shape>(operation.tool),
-                              operation.operation == DexelOperation::Union ? Sign::Positive : Sign::Negative};
-    document.model.apply({&primitive, 1}, OperationId{id++});
-  }
+  testing::makeModel(document, 40);
   const DexelHistory history(document);
   Box part;
   part.add({Point(0.2f), Point(0.7f)});

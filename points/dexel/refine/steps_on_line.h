@@ -121,6 +121,22 @@ class StepsOnLine {
     return enter <= exit;
   }
 
+  // spans_ become those of the step's solid. A solid with many of them makes many ends of a line: it is met
+  // with the line once.
+  void findSpans(std::uint32_t number, const Ray& line) {
+    if (number == spansOf_ && line.origin == spansOn_.origin && line.direction == spansOn_.direction) return;
+    const HistoryStep& step = steps_[number];
+    spans_.clear();
+    if (!step.ball) {
+      if (meets(line, step.solid->bounds())) step.solid->intersect(line, spans_);
+    } else if (const auto in = intersect(*step.ball, line)) {
+      spans_.push_back({in->enter, in->exit, Vec3(outwardNormal(*step.ball, line.at(in->enter))),
+                        Vec3(outwardNormal(*step.ball, line.at(in->exit)))});
+    }
+    spansOf_ = number;
+    spansOn_ = line;
+  }
+
   // Calls f(enter, exit, normalAt) for the stretches of the whole line that the step decides; normalAt(false)
   // is the solid's normal at the beginning, that of the model's surface there.
   template <class F>
@@ -136,13 +152,7 @@ class StepsOnLine {
       });
       return;
     }
-    spans_.clear();
-    if (!step.ball) {
-      if (meets(line, step.solid->bounds())) step.solid->intersect(line, spans_);
-    } else if (const auto in = intersect(*step.ball, line)) {
-      spans_.push_back({in->enter, in->exit, Vec3(outwardNormal(*step.ball, line.at(in->enter))),
-                        Vec3(outwardNormal(*step.ball, line.at(in->exit)))});
-    }
+    findSpans(number, line);
     if (step.operation != DexelOperation::Intersection) {
       const bool fills = step.operation == DexelOperation::Union;
       for (const SolidSpan& span : spans_)
@@ -188,7 +198,9 @@ class StepsOnLine {
   }
 
   std::span<const HistoryStep> steps_;
-  std::vector<SolidSpan> spans_;
+  std::vector<SolidSpan> spans_;  // of a step on a line
+  std::uint32_t spansOf_ = LinePainter::kUndecided;
+  Ray spansOn_;
   std::vector<Piece> pieces_;
 };
 
