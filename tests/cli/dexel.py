@@ -112,6 +112,46 @@ class Models(Dexel):
         self.assertAlmostEqual(*volumes, places=6)
 
 
+class Histories(Dexel):
+    def test_r2b_lines_keep_what_changed_them_from_build_to_apply(self):
+        plain = self.build(GALLERY, "--resolution", "48")
+        self.assertIsNone(plain["history"])
+        kept = self.build(GALLERY, "--resolution", "48", "--history", out="h.tridexel")
+        self.assertEqual(kept["state_hash"], plain["state_hash"])
+        self.assertGreater(kept["history"]["entries"], 100)
+        self.assertEqual(kept["model_bytes"] - plain["model_bytes"], kept["history"]["bytes"])
+        info = self.dexel("info", self.path("h.tridexel"))
+        self.assertEqual(info["history"]["entries"], kept["history"]["entries"])
+        self.assertIn("histories of lines:", self.accepted("dexel", "info", self.path("h.tridexel")).stdout)
+        cut = self.dexel("apply", self.path("h.tridexel"), "--tool", "sphere:0,0,0,3", "--out", self.path("c.tridexel"))
+        self.assertGreater(cut["history"]["entries"], kept["history"]["entries"])
+        mesh = self.cube("--resolution", "16", "--history")
+        self.assertEqual(mesh["history"]["entries"], 0)
+        self.assertEqual(mesh["cutters"], 0)
+        self.refused("dexel", "apply", self.path("m.tridexel"), "--tool", self.path("cube.off"), "--device", "opengl", "--out",
+                     self.path("x.tridexel"), says="m.tridexel: its lines keep every operation")
+
+    def test_r7_resultants_keep_the_model_and_say_what_they_saved(self):
+        self.cube("--resolution", "24", "--history")
+        poses = self.file("poses.txt", "".join(moved(0.02 * k - 0.4, 0.45, 0.4) for k in range(40)) * 2)
+        arguments = ("--tool", "sphere:0,0,0,0.2", "--poses", poses)
+        before = self.dexel("apply", self.path("m.tridexel"), *arguments, "--out", self.path("b.tridexel"))
+        after = self.dexel("apply", self.path("m.tridexel"), *arguments, "--resultants", "--out", self.path("a.tridexel"))
+        saved = after["resultants"]
+        self.assertEqual((saved["operations_before"], saved["operations_after"]), (80, after["operations"]))
+        self.assertEqual(saved["without_effect"], 40)
+        self.assertLess(saved["history_entries_after"], saved["history_entries_before"] / 4)
+        self.assertLess(saved["document_bytes_after"], saved["document_bytes_before"])
+        self.assertEqual(after["history"]["entries"], saved["history_entries_after"])
+        self.assertNotIn("resultants", before)
+        for key in ("counts", "ends", "volumes", "bounds"):
+            self.assertEqual(after[key], before[key], key)
+        self.assertLess(after["file_bytes"], before["file_bytes"])
+        text = self.accepted("dexel", "build", GALLERY, "--resolution", "32", "--resultants", "--out",
+                             self.path("g.tridexel")).stdout
+        self.assertIn("without effect", text)
+
+
 class PicturesAndFiles(Dexel):
     def test_d7_d8_pictures_meshes_and_points(self):
         self.cube()

@@ -26,6 +26,8 @@ constexpr double kBallMargin = 0x1p-18, kVolumeMargin = 0x1p-16;
 constexpr int kDeepest = 4, kMostParts = 2000;
 // Intersections that are asked whether they hide something; they are few.
 constexpr std::size_t kMostIntersections = 8;
+// Of those that touch a cell so many are asked, where very many lie on each other.
+constexpr std::size_t kMostAsked = 4096;
 
 double farthest(const Box& box) {
   double most = 0;
@@ -212,7 +214,8 @@ class Search {
     // The last of the same kind that holds it.
     std::optional<std::size_t> holder;
     forListsAt(DVec3(ball.center), [&](std::span<const std::uint32_t> list) {
-      for (std::size_t n = list.size(); n > 0; --n) {
+      const std::size_t end = list.size() - std::min(list.size(), kMostAsked);
+      for (std::size_t n = list.size(); n > end; --n) {
         const std::uint32_t i = list[n - 1];
         if (holder && i <= *holder) break;
         if (steps_.operation(i) != kind) {
@@ -233,10 +236,12 @@ class Search {
     bool isFree = true;
     clusters_.forListsIn(steps_.boxAround(k), implicit::Clusters::Wanted::All,
                          [&](std::span<const std::uint32_t> list) {
+                           std::size_t left = kMostAsked;
                            for (std::size_t n = list.size(); n > 0 && isFree; --n) {
                              const std::uint32_t i = list[n - 1];
                              if (holder && i <= *holder) break;
-                             if (steps_.operation(i) != kind && steps_.mayMeet(i, k)) isFree = false;
+                             if (left-- == 0 || (steps_.operation(i) != kind && steps_.mayMeet(i, k)))
+                               isFree = false;
                            }
                          });
     return isFree;
@@ -246,7 +251,8 @@ class Search {
   [[nodiscard]] std::optional<std::uint32_t> laterThat(std::size_t i, DVec3 center, double radius) const {
     std::optional<std::uint32_t> found;
     forListsAt(center, [&](std::span<const std::uint32_t> list) {
-      for (std::size_t n = list.size(); n > 0 && list[n - 1] > i; --n)
+      const std::size_t end = list.size() - std::min(list.size(), kMostAsked);
+      for (std::size_t n = list.size(); n > end && list[n - 1] > i; --n)
         if (steps_.decides(list[n - 1], center, radius)) {
           found = list[n - 1];
           return false;
@@ -331,10 +337,10 @@ HiddenOperations hiddenOperations(const TriDexelDocument& document, std::span<co
           }
         });
   });
-  out.bounds.reserve(count);
+  out.balls.reserve(count);
   out.coverBegin.reserve(count + 1);
   for (std::size_t i = 0; i < count; ++i) {
-    out.bounds.push_back(search.steps().box(first + i));
+    out.balls.push_back(search.steps().ball(first + i));
     out.coverBegin.push_back(static_cast<std::uint32_t>(out.covers.size()));
     for (const std::uint32_t step : covers[i]) out.covers.push_back(step - static_cast<std::uint32_t>(first));
   }

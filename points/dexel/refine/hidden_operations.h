@@ -34,7 +34,7 @@ enum class OperationVerdict : std::uint8_t {
 
 struct HiddenOperations {
   std::vector<OperationVerdict> verdicts;  ///< of document.operations
-  std::vector<Box> bounds;                 ///< of document.operations; hold what they change
+  std::vector<implicit::Sphere> balls;     ///< hold the solids of document.operations
   /// Of operation i, hidden or covered: the indices covers[coverBegin[i]] to covers[coverBegin[i + 1] - 1] of
   /// the later operations that decide together what it decides; these may be hidden or covered themselves.
   std::vector<std::uint32_t> coverBegin, covers;
@@ -48,8 +48,8 @@ struct HiddenOperations {
 /// borders apart on lines whose depths are less than 16 times the coordinates of the model and its
 /// operations.
 ///
-/// The same for any number of threads. O(operations x those that touch the same cluster cell), a few of them
-/// in practice. Throws InputError as DexelHistory does.
+/// The same for any number of threads. O(operations x those that touch the same cluster cell, at most some
+/// thousands). Throws InputError as DexelHistory does.
 [[nodiscard]] HiddenOperations hiddenOperations(const TriDexelDocument& document,
                                                 std::span<const std::uint8_t> isKept,
                                                 const Execution& execution = {});

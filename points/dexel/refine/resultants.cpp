@@ -17,6 +17,7 @@ namespace restroke::points {
 namespace {
 
 using implicit::Shape;
+using implicit::Sphere;
 
 std::size_t numberIn(OperationId id) {
   return static_cast<std::size_t>(id);
@@ -62,10 +63,10 @@ std::vector<std::uint8_t> referredIn(const TriDexelDocument& document) {
   return referred;
 }
 
-bool meets(const Box& a, const Box& b) {
-  for (int c = 0; c < 3; ++c)
-    if (a.min[c] > b.max[c] || b.min[c] > a.max[c]) return false;
-  return true;
+bool meet(const Sphere& a, const Sphere& b) {
+  const DVec3 d = DVec3(a.center) - DVec3(b.center);
+  const double most = static_cast<double>(a.radius) + static_cast<double>(b.radius);
+  return dot(d, d) <= most * most;
 }
 
 // What becomes of each operation of the old document. Indices of operations count from 0, ids from 1.
@@ -85,7 +86,7 @@ class Merging {
     for (std::size_t i = 0; i < document_.operations.size(); ++i)
       if (isNeeded(i)) {
         kept.push_back(std::move(document_.operations[i]));
-        keptBounds_.push_back(hidden_.bounds[i]);
+        keptBalls_.push_back(hidden_.balls[i]);
       }
     kept.shrink_to_fit();
     document_.operations = std::move(kept);
@@ -131,10 +132,11 @@ class Merging {
   }
 
   void mergeHistories(std::span<const TriDexelDocument::Run> oldRuns, const Execution& execution) {
-    std::vector<OperationId> entries(newIds_.size());  // by new id: what histories name in its place
-    for (std::size_t id = 0; id < entries.size(); ++id) entries[id] = idOf(id);
+    std::vector<OperationId> runOf(newIds_.size());  // by new id
+    for (std::size_t id = 0; id < runOf.size(); ++id) runOf[id] = idOf(id);
     for (const TriDexelDocument::Run& run : document_.runs)
-      for (std::uint32_t k = 1; k < run.count; ++k) entries[numberIn(run.first) + k] = run.first;
+      std::fill_n(runOf.begin() + static_cast<std::ptrdiff_t>(run.first), run.count, run.first);
+    for (std::size_t i = 0; i + 1 < newIds_.size(); ++i) entries_.push_back(runOf[numberIn(newIds_[i + 1])]);
     std::vector<std::uint32_t> lengths(newIds_.size(), 1);  // by old id
     for (const TriDexelDocument::Run& run : oldRuns) lengths[numberIn(run.first)] = run.count;
     inArena(execution, [&] {
@@ -142,26 +144,12 @@ class Merging {
         Dexels& dexels = document_.model.family(axis);
         const LineHistories old = dexels.histories();
         dexels.startHistory();
-        tbb::parallel_for(0, dexels.height(), [&](int row) {
-          std::vector<OperationId> before, after;
-          for (int column = 0; column < dexels.width(); ++column) {
-            const std::size_t line = dexels.lineAt(column, row);
-            before.clear();
-            after.clear();
-            old.appendOf(line, before);
-            const Place place{axis, document_.model.grid().at((axis + 1) % 3, column),
-                              document_.model.grid().at((axis + 2) % 3, row)};
-            for (const OperationId id : before) {
-              const std::uint32_t length = lengths[numberIn(id)];
-              for (std::size_t i = numberIn(id) - 1; i < numberIn(id) - 1 + length; ++i)
-                if (length == 1 || meetsLine(i, place)) addInstead(i, place, after);
-            }
-            for (OperationId& id : after) id = entries[numberIn(id)];
-            std::sort(after.begin(), after.end());
-            after.erase(std::unique(after.begin(), after.end()), after.end());
-            for (const OperationId id : after) dexels.noteChange(line, id);
-          }
-        });
+        tbb::parallel_for(tbb::blocked_range<int>(0, dexels.height(), kRows),
+                          [&](const tbb::blocked_range<int>& rows) {
+                            Names names(newIds_.size());
+                            for (int row = rows.begin(); row < rows.end(); ++row)
+                              mergeRow({axis, row}, old, lengths, names);
+                          });
       }
     });
   }
@@ -174,7 +162,7 @@ class Merging {
       if (operations[first].operation != DexelOperation::Intersection)
         while (next < operations.size() && next - first < longest &&
                operations[next].operation == operations[first].operation &&
-               meets(keptBounds_[next], keptBounds_[next - 1]))
+               meet(keptBalls_[next], keptBalls_[next - 1]))
           ++next;
       if (next - first > 1)
         document_.runs.push_back({idOf(first + 1), static_cast<std::uint32_t>(next - first)});
@@ -183,36 +171,86 @@ class Merging {
   }
 
  private:
+  // Rows that a thread works on at a time.
+  static constexpr int kRows = 16;
   struct Place {
     int axis;
-    float u, v;
+    double u, v;
+  };
+  struct Row {
+    int axis, row;
   };
   [[nodiscard]] bool isNeeded(std::size_t i) const { return hidden_.verdicts[i] == OperationVerdict::Needed; }
   // Of what is dropped; else the cover has nothing to decide there.
   [[nodiscard]] bool decidesFor(std::size_t cover, std::size_t i) const {
-    return isEverywhere(cover) || meets(hidden_.bounds[cover], hidden_.bounds[i]);
+    return isEverywhere(cover) || meet(hidden_.balls[cover], hidden_.balls[i]);
   }
   [[nodiscard]] bool isEverywhere(std::size_t i) const { return intersects_[i] != 0; }
   [[nodiscard]] bool meetsLine(std::size_t i, const Place& place) const {
-    const Box& box = hidden_.bounds[i];
-    const int u = (place.axis + 1) % 3, v = (place.axis + 2) % 3;
-    return isEverywhere(i) ||
-           (box.min[u] <= place.u && place.u <= box.max[u] && box.min[v] <= place.v && place.v <= box.max[v]);
+    if (isEverywhere(i)) return true;
+    const Sphere& ball = hidden_.balls[i];
+    const double u = place.u - static_cast<double>(ball.center[(place.axis + 1) % 3]),
+                 v = place.v - static_cast<double>(ball.center[(place.axis + 2) % 3]),
+                 r = static_cast<double>(ball.radius);
+    return u * u + v * v <= r * r;
   }
-  void addInstead(std::size_t i, const Place& place, std::vector<OperationId>& ids) const {
+  // What a line's history comes to name.
+  class Names {
+   public:
+    explicit Names(std::size_t ids) : lineOf_(ids) {}
+    void beginLine() {
+      ids_.clear();
+      ++line_;
+    }
+    void add(OperationId id) {
+      if (std::exchange(lineOf_[numberIn(id)], line_) != line_) ids_.push_back(id);
+    }
+    [[nodiscard]] std::span<const OperationId> ascending() {
+      std::sort(ids_.begin(), ids_.end());
+      return ids_;
+    }
+
+   private:
+    std::vector<OperationId> ids_;
+    std::vector<std::uint32_t> lineOf_;  // by id, the last line that named it
+    std::uint32_t line_ = 0;
+  };
+  void addInstead(std::size_t i, const Place& place, Names& names) const {
     if (isNeeded(i)) {
-      ids.push_back(newIds_[i + 1]);
+      names.add(entries_[i]);
       return;
     }
     for (const std::uint32_t cover : covers_[i])
-      if (meetsLine(cover, place)) ids.push_back(newIds_[cover + 1]);
+      if (meetsLine(cover, place)) names.add(entries_[cover]);
+  }
+
+  void mergeRow(Row where, const LineHistories& old, std::span<const std::uint32_t> lengths, Names& names) {
+    Dexels& dexels = document_.model.family(where.axis);
+    const DexelGrid& grid = document_.model.grid();
+    const int u = (where.axis + 1) % 3, v = (where.axis + 2) % 3;
+    std::vector<OperationId> before;
+    for (int column = 0; column < dexels.width(); ++column) {
+      const std::size_t line = dexels.lineAt(column, where.row);
+      before.clear();
+      old.appendOf(line, before);
+      const Place place{where.axis, static_cast<double>(grid.at(u, column)),
+                        static_cast<double>(grid.at(v, where.row))};
+      names.beginLine();
+      for (const OperationId id : before) {
+        const std::size_t first = numberIn(id) - 1, length = lengths[numberIn(id)];
+        for (std::size_t i = first; i < first + length; ++i)
+          if (length == 1 || meetsLine(i, place)) addInstead(i, place, names);
+      }
+      for (const OperationId id : names.ascending()) dexels.noteChange(line, id);
+    }
   }
 
   TriDexelDocument& document_;
   HiddenOperations hidden_;
-  std::vector<OperationId> newIds_;  // by old id; of dropped ones Initial
+  std::vector<OperationId> newIds_;   // by old id; of dropped ones Initial
+  std::vector<OperationId> entries_;  // of needed operations, what histories name in their place
   std::vector<std::uint8_t> intersects_;
-  std::vector<Box> keptBounds_;
+  std::vector<Sphere> keptBalls_;
   std::vector<std::vector<std::uint32_t>> covers_;
 };
 
