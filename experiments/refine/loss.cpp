@@ -19,6 +19,8 @@ using points::RefinedModel;
 using points::RefineMethod;
 using points::Zone;
 
+// So few that what is only carved is not all gone.
+constexpr double kFewDensity = 3;
 // Zones of thin features: each has but a few of them.
 constexpr int kThinPlaces = 8;
 
@@ -148,8 +150,10 @@ class Plans {
            .resolution = options_.densityLines,
            .parts = {}},
           [=] {
-            return named(strewnBalls({.operations = operations, .additions = part, .seed = seed}),
-                         fmt::format("block-{}", operations));
+            return named(
+                strewnBalls(
+                    {.operations = operations, .density = kFewDensity, .additions = part, .seed = seed}),
+                fmt::format("block-{}", operations));
           });
   }
 
