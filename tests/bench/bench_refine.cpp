@@ -79,15 +79,17 @@ int run(const std::filesystem::path& file, bool smoke) {
     double taken[2];
     for (const int threads : {1, 2})
       taken[threads - 1] = milliseconds(turns, [&] {
-        ids = refine(document, history, zone, lines, {.method = method}, {.threads = threads}).ids.size();
+        ids = points::refine({document, history}, {zone, lines}, {.method = method}, {.threads = threads})
+                  .ids.size();
       });
     fmt::print("{:<24}{:>12}{:>12.1f}{:>12.1f}\n", nameOf(method), ids, taken[0], taken[1]);
   }
   try {
     const points::GlDexelContext context;
     const double taken = milliseconds(std::min(turns, 3), [&] {
-      (void)refine(document, history, zone, lines, {.method = RefineMethod::Clusters}, {.threads = 2},
-                   points::GlLineReplay(context));
+      (void)points::refine({document, history}, {zone, lines},
+                           {.method = RefineMethod::Clusters, .replayer = points::GlLineReplay(context)},
+                           {.threads = 2});
     });
     fmt::print("{:<24}{:>12}{:>12}{:>12.1f}   {}\n", "clusters, OpenGL", "", "", taken, context.driver());
   } catch (const InputError& error) {

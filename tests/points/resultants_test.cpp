@@ -360,8 +360,8 @@ TEST(Resultants, R7MeshToolsAndCuttersThatMeetNothingHaveNoEffect) {
   for (int i = 0; i < 3; ++i) {
     const std::vector<LineFamily> lines =
         newLines(zone, {.resolution = 20, .direction = DVec3(random.inCube(1)) + DVec3(0, 0, 0.01)});
-    const RefinedModel old = refine(document, before, zone, lines, {.method = RefineMethod::All}),
-                       other = refine(merged, after, zone, lines, {.method = RefineMethod::All});
+    const RefinedModel old = refine({document, before}, {zone, lines}, {.method = RefineMethod::All}),
+                       other = refine({merged, after}, {zone, lines}, {.method = RefineMethod::All});
     ASSERT_EQ(old.families.size(), other.families.size());
     for (std::size_t f = 0; f < lines.size(); ++f)
       expectSameEnds(old.families[f].dexels, other.families[f].dexels);
@@ -393,7 +393,7 @@ TEST(Resultants, R7RunsShortenHistoriesAndTouchingRefinesThemAlike) {
   const Zone zone(orientedBoxOf({{-0.4f, -0.5f, -0.3f}, {0.6f, 0.5f, 0.4f}}));
   const std::vector<LineFamily> lines = newLines(zone, {.resolution = 30});
   const auto refined = [&](const TriDexelDocument& d, RefineMethod method) {
-    return refine(d, DexelHistory(d), zone, lines, {.method = method});
+    return refine({d, DexelHistory(d)}, {zone, lines}, {.method = method});
   };
   const RefinedModel touching = refined(merged.document, RefineMethod::Touching),
                      all = refined(document, RefineMethod::All);
