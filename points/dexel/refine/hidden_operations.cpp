@@ -174,7 +174,7 @@ class Steps {
 class Search {
  public:
   explicit Search(const TriDexelDocument& document)
-      : steps_(document), clusters_({.cell = 2 * steps_.medianRadius()}), hasNoEffect_(steps_.size()) {
+      : steps_(document), clusters_({.cell = steps_.medianRadius()}), hasNoEffect_(steps_.size()) {
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       if (i >= steps_.first() && changesNothing(i)) {
         hasNoEffect_[i] = 1;
