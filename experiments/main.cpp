@@ -16,6 +16,9 @@
 #include "experiments/examples/example_logs.h"
 #include "experiments/memory.h"
 #include "experiments/output.h"
+#include "experiments/refine.h"
+#include "experiments/refine/report.h"
+#include "experiments/refine/summary.h"
 #include "experiments/retarget.h"
 #include "experiments/retarget/report.h"
 #include "experiments/retarget/summary.h"
@@ -341,6 +344,73 @@ struct DexelCommand {
   }
 };
 
+struct RefineCommand {
+  Common common;
+  std::vector<std::string> logs;
+  std::string out;
+  bool smoke = false;
+  std::size_t most = 1'000'000;
+  RefinementOptions options;
+
+  void addTo(CLI::App& app) {
+    CLI::App* command = app.add_subcommand(
+        "refine", "what refining dexels by the operations at their ends misses, and what it saves");
+    command->add_option("logs", logs,
+                        "stroke logs or stamp lists, whose first primitive is the initial solid, measured "
+                        "besides made histories; without any, shipped ones");
+    command
+        ->add_option("--out", out,
+                     "folder for results.csv, results.json, times.csv, times.json, manifest.json, figures, "
+                     "pictures, report.html")
+        ->required();
+    command->add_flag("--smoke", smoke, "a small size that takes seconds");
+    command->add_option("--most", most, "operations of the longest history that is timed, default 1,000,000")
+        ->check(CLI::Range(std::size_t{1000}, kMostGrowth))
+        ->type_name("N");
+    command
+        ->add_option("--lines", options.loss.fineLines,
+                     "new lines along the zone's side, in each of three families, default 128")
+        ->check(CLI::Range(8, 2048))
+        ->type_name("N");
+    command->add_option("--places", options.loss.places, "zones of each size in each model, default 4")
+        ->check(CLI::Range(1, 1000))
+        ->type_name("N");
+    command->add_option("--seed", options.seed, "of histories and zones");
+    common.addTo(*command);
+    command->callback([this] { run(); });
+  }
+
+  void run() {
+    options.growth.fineLines = options.loss.fineLines;
+    options.growth.operations = growthUpTo(most);
+    const RefinementOptions sized = smoke ? smokeSize(options) : options;
+    std::vector<fs::path> files(logs.begin(), logs.end());
+    if (files.empty()) files = defaultRefinementLogs(smoke);
+    // What is wrong with an input or an output is said before the work begins, and leaves nothing behind.
+    for (const fs::path& file : files) (void)sculpt::readLog(file);
+    common.begin();
+    makeFolder(out);
+    RefinementResults results;
+    {
+      ProgressLine line("refine");
+      results = measureRefinement(
+          files, sized, common.execution,
+          [&line](const std::string& what, std::size_t done, std::size_t all) { line(what, done, all); });
+    }
+    const std::vector<std::string> written = writeRefinement(results, sized, out);
+
+    common.say(refinementTable(results));
+    nlohmann::ordered_json object = {
+        {"experiment", "refine"}, {"out", out}, {"smoke", smoke}, {"files", written}};
+    object["rows"] = results.losses.size();
+    object["times"] = results.growths.size();
+    object["claims"] = jsonOf(claims(results));
+    object["notes"] = results.notes;
+    common.say(fmt::format("report: {}\n", (fs::path(out) / "report.html").string()));
+    common.finish(object);
+  }
+};
+
 struct ExampleCommand {
   Common common;
   std::string name, out;
@@ -370,11 +440,13 @@ int runProgram(int argc, char** argv) {
   RetargetCommand retarget;
   ScalingCommand scaling;
   DexelCommand dexel;
+  RefineCommand refine;
   ExampleCommand example;
   memory.addTo(app);
   retarget.addTo(app);
   scaling.addTo(app);
   dexel.addTo(app);
+  refine.addTo(app);
   example.addTo(app);
   try {
     app.parse(argc, argv);

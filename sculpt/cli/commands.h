@@ -76,7 +76,7 @@ struct RetargetOptions {
 
 struct DexelBuildOptions {
   CommonOptions common;
-  std::string source;  ///< log, stamp list or mesh file
+  std::string source;  ///< log, stamp list, mesh file or CAMotics project
   std::optional<int> resolution;
   std::optional<double> cell;
   std::string repair;
@@ -89,9 +89,11 @@ struct DexelBuildOptions {
 struct DexelApplyOptions {
   CommonOptions common;
   std::string model;
-  std::string tool;   ///< a mesh file, or a shape in words
-  std::string poses;  ///< file of poses; empty: the tool as it is
-  std::string mode = "cut";
+  std::string tool;      ///< a mesh file, or a shape in words; with a tool path the number of a tool
+  std::string poses;     ///< file of poses; empty: the tool as it is
+  std::string toolpath;  ///< G-code or poses between which a cutter sweeps; empty: none
+  std::string tools;     ///< of a tool path: what its cutters are
+  std::string mode;      ///< empty: cut, or what the tools file says
   std::string device = "cpu";
   bool resultants = false;  ///< the history is merged
   std::string out;
@@ -109,6 +111,7 @@ struct DexelRenderOptions {
   std::string size = "1280x960";
   std::string renderer = "cpu";
   std::string family = "all";  ///< or x, y, z
+  bool spans = false;          ///< as rods
   std::string png;
 };
 
@@ -126,9 +129,10 @@ struct DexelRefineOptions {
   std::string size = "1280x960";
   double zoom = 1;
   int samples = 1;  ///< rays across a pixel
-  bool check = false;
   std::string device = "cpu";
   std::string out, png;
+  std::string spans;         ///< view of a picture of the spans as rods; empty: none
+  std::string family = "z";  ///< of the model's own spans in it
 };
 
 /// Each returns the exit status: 0, or 1 where a check found a difference.

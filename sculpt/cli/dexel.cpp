@@ -24,6 +24,7 @@
 #include "sculpt/cli/replaying.h"
 #include "sculpt/cli/sources.h"
 #include "sculpt/cli/words.h"
+#include "sculpt/tools_file.h"
 
 namespace restroke::cli {
 
@@ -63,9 +64,8 @@ TriDexel drawn(const TriangleMesh& solid, const points::DexelGrid& grid, const s
   return model.download();
 }
 
-TriDexelDocument ofMesh(const DexelBuildOptions& o, MeshNotes& notes) {
+TriDexelDocument ofMesh(const DexelBuildOptions& o, const TriangleMesh& mesh, MeshNotes& notes) {
   const Execution execution = executionOf(o.common);
-  const TriangleMesh mesh = points::readMesh(o.source);
   const auto repair = repairNamed(o.repair) == sculpt::Repair::Winding ? points::MeshRepair::Winding
                                                                        : points::MeshRepair::None;
   const points::MeshModelOptions options{.lines = {.resolution = o.resolution, .cell = o.cell},
@@ -127,7 +127,10 @@ int runDexelBuild(const DexelBuildOptions& options) {
     throw InputError(
         fmt::format("{}: is a tri-dexel, but a log, a stamp list or a mesh must be given", options.source));
   MeshNotes notes;
-  TriDexelDocument document = kind == SourceKind::Mesh ? ofMesh(options, notes) : ofLog(options);
+  TriDexelDocument document =
+      kind == SourceKind::Mesh      ? ofMesh(options, points::readMesh(options.source), notes)
+      : kind == SourceKind::Project ? ofMesh(options, stockOf(sculpt::readToolsFile(options.source)), notes)
+                                    : ofLog(options);
   notes.json.update(mergedIf(options.resultants, document, output, executionOf(options.common)));
   points::writeTriDexel(options.out, document);
   report(output, {options.out, document, std::chrono::duration<double>(Clock::now() - start).count()},
@@ -147,19 +150,20 @@ int runDexelInfo(const DexelInfoOptions& options) {
 int runDexelRender(const DexelRenderOptions& options) {
   if (options.renderer != "cpu" && options.renderer != "opengl")
     throw InputError(fmt::format("--renderer: \"{}\" must be cpu or opengl", options.renderer));
-  const std::size_t family = std::string_view("xyz").find(options.family);
-  if (options.family != "all" && (options.family.size() != 1 || family == std::string_view::npos))
-    throw InputError(fmt::format("--family: \"{}\" must be x, y, z or all", options.family));
+  const std::optional<int> family = familyNamed(options.family);
   const auto [width, height] = sizeNamed(options.size);
   const Execution execution = executionOf(options.common);
   Output output(options.common);
   AtomicFile png(options.png);
   const TriDexelDocument document = points::readTriDexel(options.model);
-  points::DexelSurfelOptions ends;
-  if (options.family != "all") ends.family = static_cast<int>(family);
-  const std::vector<points::Surfel> surfels = surfelsOf(document.model, ends, execution);
+  std::vector<points::Surfel> surfels;
+  if (options.spans)
+    appendRods(document.model, family, surfels);
+  else
+    surfels = surfelsOf(document.model, {.family = family}, execution);
   // All families together are framed alike, whichever is drawn.
-  const implicit::Sphere bounds = framed(ends.family ? surfelsOf(document.model, {}, execution) : surfels);
+  const implicit::Sphere bounds =
+      framed(family || options.spans ? surfelsOf(document.model, {}, execution) : surfels);
   const Camera camera =
       viewNamed(options.view, {.log = {}, .bounds = bounds, .width = width, .height = height});
   const points::Scene scene{.surfels = surfels};
@@ -171,7 +175,7 @@ int runDexelRender(const DexelRenderOptions& options) {
   }
   png.commit();
   output.say(
-      fmt::format("{} x {} pixels, {} span ends: {}\n", width, height, grouped(surfels.size()), options.png));
+      fmt::format("{} x {} pixels, {}: {}\n", width, height, plural(surfels.size(), "surfel"), options.png));
   output.finish({{"width", width}, {"height", height}, {"surfels", surfels.size()}, {"png", options.png}});
   return 0;
 }

@@ -1,4 +1,4 @@
-// restroke dexel apply: a tool cuts, or is added, in one pose after the other.
+// restroke dexel apply: a tool cuts, or is added, in one pose after the other or along a path.
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +13,7 @@
 #include "sculpt/base_change.h"
 #include "sculpt/cli/commands.h"
 #include "sculpt/cli/dexel_output.h"
+#include "sculpt/cli/dexel_toolpath.h"
 #include "sculpt/cli/sources.h"
 #include "sculpt/shape_text.h"
 
@@ -47,7 +48,7 @@ struct Run {
 };
 
 DexelOperation operationNamed(const std::string& mode) {
-  if (mode == "cut") return DexelOperation::Subtraction;
+  if (mode.empty() || mode == "cut") return DexelOperation::Subtraction;
   if (mode == "add") return DexelOperation::Union;
   if (mode == "intersect") return DexelOperation::Intersection;
   throw InputError(fmt::format("--mode: \"{}\" must be cut, add or intersect", mode));
@@ -120,14 +121,9 @@ void applyToolDrawn(const Run& run, const points::DexelTool& tool) {
   run.document.model = model.download();
 }
 
-}  // namespace
-
-int runDexelApply(const DexelApplyOptions& options) {
-  const auto start = Clock::now();
-  checkDevice(options.device);
+// One tool in each of the poses; returns what is to be reported.
+nlohmann::ordered_json applyInPoses(const DexelApplyOptions& options, TriDexelDocument& document) {
   const DexelOperation operation = operationNamed(options.mode);
-  Output output(options.common);
-  TriDexelDocument document = points::readTriDexel(options.model);
   if (options.device == "opengl" && document.model.keepsHistory())
     throw InputError(
         fmt::format("{}: its lines keep every operation that changes them, which --device opengl does not "
@@ -146,8 +142,20 @@ int runDexelApply(const DexelApplyOptions& options) {
   } else {
     applyShape(run, sculpt::shapeNamed(options.tool, sculpt::Repair::None, "--tool"));
   }
-  nlohmann::ordered_json more{{"poses", poses.size()}};
-  more.update(mergedIf(options.resultants, document, output, run.execution));
+  return {{"poses", poses.size()}};
+}
+
+}  // namespace
+
+int runDexelApply(const DexelApplyOptions& options) {
+  const auto start = Clock::now();
+  checkDevice(options.device);
+  checkToolpathOptions(options);
+  Output output(options.common);
+  TriDexelDocument document = points::readTriDexel(options.model);
+  nlohmann::ordered_json more =
+      options.toolpath.empty() ? applyInPoses(options, document) : applyToolpath(options, document);
+  more.update(mergedIf(options.resultants, document, output, executionOf(options.common)));
   points::writeTriDexel(options.out, document);
   report(output, {options.out, document, std::chrono::duration<double>(Clock::now() - start).count()}, more);
   return 0;

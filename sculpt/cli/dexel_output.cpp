@@ -4,12 +4,15 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <variant>
 
 #include "implicit/simd/dispatch.h"
+#include "points/dexel/refine/refine.h"
 #include "points/dexel/refine/resultants.h"
+#include "points/dexel/span_rods.h"
 #include "sculpt/cli/replaying.h"
 
 namespace restroke::cli {
@@ -35,6 +38,21 @@ std::string entriesIn(std::size_t count) {
 void checkDevice(const std::string& device) {
   if (device != "cpu" && device != "opengl")
     throw InputError(fmt::format("--device: \"{}\" must be cpu or opengl", device));
+}
+
+std::optional<int> familyNamed(const std::string& family) {
+  if (family == "all") return std::nullopt;
+  const std::size_t axis = std::string_view("xyz").find(family);
+  if (family.size() != 1 || axis == std::string_view::npos)
+    throw InputError(fmt::format("--family: \"{}\" must be x, y, z or all", family));
+  return static_cast<int>(axis);
+}
+
+void appendRods(const TriDexel& model, std::optional<int> family, std::vector<points::Surfel>& out) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (!family || *family == axis)
+      appendRods(model.family(axis), points::familyOf({.grid = model.grid()}, axis),
+                 {.radius = static_cast<float>(0.16 * model.grid().cell())}, out);
 }
 
 nlohmann::ordered_json mergedIf(bool isWanted, TriDexelDocument& document, const Output& output,

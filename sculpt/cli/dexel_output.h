@@ -2,16 +2,25 @@
 // What the subcommands of `restroke dexel` share: checks of words, and the report on a model.
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "implicit/errors.h"
 #include "points/dexel/tridexel_file.h"
+#include "points/surfel.h"
 #include "sculpt/cli/output.h"
 
 namespace restroke::cli {
 
 /// "cpu" or "opengl"; throws InputError.
 void checkDevice(const std::string& device);
+
+/// "x", "y", "z", or "all": nothing. Throws InputError.
+[[nodiscard]] std::optional<int> familyNamed(const std::string& family);
+/// Appends the spans of one family or all as rods of a thickness that leaves them apart, in the base's
+/// colour.
+void appendRods(const points::TriDexel& model, std::optional<int> family, std::vector<points::Surfel>& out);
 
 /// A model that was made or read.
 struct DexelReport {

@@ -6,17 +6,21 @@
 #include <optional>
 #include <vector>
 
+#include "implicit/simd/dispatch.h"
 #include "points/dexel/dexel_contour.h"
 #include "points/dexel/dexel_surfels.h"
+#include "points/dexel/gl/gl_line_replay.h"
 #include "points/dexel/refine/ray_picture.h"
 #include "points/dexel/refine/refine.h"
 #include "points/dexel/refine/refined_surfels.h"
+#include "points/dexel/span_rods.h"
 #include "points/files/mesh_files.h"
 #include "points/files/point_files.h"
 #include "points/images/cpu_renderer.h"
 #include "points/images/png.h"
 #include "sculpt/cli/commands.h"
 #include "sculpt/cli/dexel_output.h"
+#include "sculpt/cli/replaying.h"
 #include "sculpt/cli/words.h"
 #include "sculpt/cli/zone_words.h"
 
@@ -82,7 +86,7 @@ Request requestOf(const DexelRefineOptions& o, const TriDexel& model, const Exec
     out.rays = true;
     out.camera = *seen;
     if (!o.resolution) out.lines.perPixel = true;
-    if (o.samples != 1 || !o.png.empty()) {
+    if (o.samples != 1 || (!o.png.empty() && o.spans.empty())) {
       if (o.resolution)
         throw InputError(
             "--resolution: a picture of a frustum has its rays by the pixel; --size must be given");
@@ -129,6 +133,7 @@ class Writer {
 
   /// Takes the lines out of `refined`.
   void write(RefinedModel& refined, const Execution& execution) {
+    if (!options_.spans.empty()) drawSpans(refined, execution);
     if (request_.rays) {
       writeRays(refined, execution);
     } else if (!request_.grid) {
@@ -139,8 +144,28 @@ class Writer {
   }
 
  private:
+  [[nodiscard]] bool drawsSurface() const { return !options_.png.empty() && options_.spans.empty(); }
+
+  // The model's own spans, the new ones and the zone's edges, in three colours.
+  void drawSpans(const RefinedModel& refined, const Execution& execution) const {
+    using implicit::Sign;
+    const auto [width, height] = sizeNamed(options_.size);
+    std::vector<points::Surfel> rods;
+    appendRods(document_.model, familyNamed(options_.family), rods);
+    const Camera camera =
+        viewNamed(options_.spans, {.log = {},
+                                   .bounds = framed(surfelsOf(document_.model, {}, execution)),
+                                   .width = width,
+                                   .height = height});
+    const auto cell = static_cast<float>(document_.model.grid().cell());
+    for (const points::RefinedFamily& family : refined.families)
+      appendRods(family.dexels, family.lines.family, {.radius = 0.08f * cell, .primitive = 1}, rods);
+    appendEdges(request_.zone, {.radius = 0.1f * cell, .sign = Sign::Negative}, rods);
+    points::writePng(options_.png, points::render({.surfels = rods}, camera, {}, execution));
+  }
+
   void writeRays(const RefinedModel& refined, const Execution& execution) {
-    if (!options_.png.empty())
+    if (drawsSurface())
       points::writePng(options_.png, pictureOf(refined.families[0].dexels, request_.camera, {}, execution));
     if (!options_.out.empty()) writePointFile(surfelsOf(refined));
   }
@@ -153,7 +178,7 @@ class Writer {
   }
 
   void writePoints(const std::vector<points::Surfel>& surfels, const Execution& execution) const {
-    if (!options_.png.empty()) draw(surfels, execution);
+    if (drawsSurface()) draw(surfels, execution);
     if (!options_.out.empty()) writePointFile(surfels);
   }
 
@@ -166,7 +191,7 @@ class Writer {
 
   void writeModel(TriDexel model, const Execution& execution) {
     const points::ZoneGrid& grid = *request_.grid;
-    if (!options_.png.empty()) {
+    if (drawsSurface()) {
       std::vector<points::Surfel> surfels = surfelsOf(model, {}, execution);
       intoModel(grid, surfels);
       draw(surfels, execution);
@@ -203,6 +228,8 @@ int runDexelRefine(const DexelRefineOptions& options) {
   Output output(options.common);
   TriDexelDocument document = points::readTriDexel(options.model);
   const double reading = secondsSince(start);
+  if (!options.spans.empty() && options.png.empty())
+    throw InputError("--spans: is a view for a picture; --png must be given");
   const Request request = requestOf(options, document.model, execution);
   refuseOutput(options, request);
   const auto opening = Clock::now();
@@ -230,12 +257,14 @@ int runDexelRefine(const DexelRefineOptions& options) {
                               {"lines", inZone},
                               {"ends", ends},
                               {"operations", history.idCount() - 1},
-                              {"collected", refined.ids.size()}};
+                              {"collected", refined.ids.size()},
+                              {"simd", implicit::simdLevelName()}};
   json["volume"] = volume ? nlohmann::ordered_json(*volume) : nlohmann::ordered_json(nullptr);
   std::string text = fmt::format(
       "{}: {} in the zone, {} span ends; {} of {} replayed ({})\n", options.model, plural(inZone, "line"),
       grouped(ends), plural(refined.ids.size(), "operation"), grouped(history.idCount()), nameOf(method));
   const RefinedModel::Times times = refined.times;
+  json["state_hash"] = hexHash(stateHash(refined));
   Writer(options, request, document).write(refined, execution);
   for (const std::string* file : {&options.out, &options.png})
     if (!file->empty()) text += fmt::format("{}\n", *file);

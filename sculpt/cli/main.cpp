@@ -204,6 +204,11 @@ CLI::App* addDexelRefine(CLI::App& group, DexelRefineOptions& o) {
       "--out", o.out,
       "what was refined: .tridexel (lines along x, y, z), a mesh (.stl, .ply, .obj, .3mf, .amf) or points "
       "(.xyz)");
+  c->add_option(
+      "--spans", o.spans,
+      "a view: the picture shows the spans as rods from there, the new ones, the zone's edges, and the "
+      "model's own along --family");
+  c->add_option("--family", o.family, "with --spans: x, y, z (default) or all");
   c->add_option("--png", o.png, "picture: of a frustum by its rays, of other zones by the ends");
   addCommon(c, o.common);
   return c;
@@ -215,7 +220,10 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
 
   DexelBuildOptions& b = options.dexelBuild;
   CLI::App* build = group->add_subcommand("build", "make a tri-dexel of a log, a stamp list or a mesh");
-  build->add_option("source", b.source, "stroke log, stamp list or mesh file")->required();
+  build
+      ->add_option("source", b.source,
+                   "stroke log, stamp list, mesh file, or CAMotics project, of which the workpiece is taken")
+      ->required();
   build->add_option("--resolution", b.resolution, "lines along the longest side, 1 to 8192, default 128");
   build->add_option("--cell", b.cell, "from line to line in model units, in place of --resolution");
   build->add_option("--repair", b.repair, "winding: what to make of a mesh that is no boundary of a solid");
@@ -226,13 +234,21 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
   addCommon(build, b.common);
 
   DexelApplyOptions& a = options.dexelApply;
-  CLI::App* apply = group->add_subcommand("apply", "cut with a tool, or add it, in one pose after the other");
+  CLI::App* apply = group->add_subcommand(
+      "apply", "cut with a tool, or add it, in one pose after the other or along a path");
   apply->add_option("model", a.model, "tri-dexel")->required();
-  apply->add_option("--tool", a.tool, std::string("the tool: ") + kShapes)->required();
+  apply->add_option(
+      "--tool", a.tool,
+      std::string("the tool: ") + kShapes + "; with --toolpath the number of a tool in --tools");
   apply->add_option(
       "--poses", a.poses,
       "one pose a line: 16 numbers, a 4 x 4 matrix row by row; without, the tool is where it is");
-  apply->add_option("--mode", a.mode, "cut (default), add, or intersect: keep what is within the tool");
+  apply->add_option("--toolpath", a.toolpath,
+                    "G-code, or poses between which the cutter sweeps: each element is an operation");
+  apply->add_option("--tools", a.tools, "of --toolpath: what the cutters are, a CAMotics project (JSON)");
+  apply->add_option(
+      "--mode", a.mode,
+      "cut (default; of --toolpath what --tools says), add, or intersect: keep what is within the tool");
   apply->add_option("--device", a.device, "cpu (default), or opengl: a mesh tool is sampled by drawing it");
   apply->add_flag("--resultants", a.resultants, kResultants);
   apply->add_option("--out", a.out, "tri-dexel to write")->required();
@@ -251,6 +267,7 @@ DexelCommands addDexel(CLI::App& app, AllOptions& options) {
   render->add_option("--size", r.size, "WxH in pixels, default 1280x960");
   render->add_option("--renderer", r.renderer, "cpu (default) or opengl");
   render->add_option("--family", r.family, "x, y or z: the ends of one family of lines only; default all");
+  render->add_flag("--spans", r.spans, "the spans as rods");
   render->add_option("--png", r.png, "picture to write")->required();
   addCommon(render, r.common);
 
@@ -271,7 +288,8 @@ int runProgram(int argc, char** argv) {
   const DexelCommands dexel = addDexel(app, options);
   const CLI::App* kinds = app.add_subcommand("kinds", "list the kinds of volume that bases and tips may be");
   // For the list of commands only: main hands its arguments on before anything is parsed.
-  app.add_subcommand("experiment", "measure: memory, retarget, scaling, dexel (starts restroke-experiment)");
+  app.add_subcommand("experiment",
+                     "measure: memory, retarget, scaling, dexel, refine (starts restroke-experiment)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -7,6 +7,23 @@
 
 namespace restroke::cli {
 
+namespace {
+
+// A project is an object that has a workpiece; the first key of a log is "restroke".
+bool isProject(std::ifstream& file) {
+  constexpr std::size_t kMost = 1 << 20;
+  std::string text(kMost, '\0');
+  file.clear();
+  file.seekg(0);
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  const std::size_t key = text.find('"');
+  return key != std::string::npos && text.compare(key, 10, "\"restroke\"") != 0 &&
+         text.find("\"workpiece\"") != std::string::npos;
+}
+
+}  // namespace
+
 // A log begins with '{', a stamp list with the line of its base; so may the header of a binary STL file,
 // which its size gives away. What is no plain file is left to the reader of logs, which reads pipes too.
 SourceKind sourceKindOf(const std::string& path) {
@@ -24,7 +41,8 @@ SourceKind sourceKindOf(const std::string& path) {
   for (std::size_t i = 4; i-- > 0;)
     triangles = triangles * 256 + static_cast<unsigned char>(first[kStlHeader + i]);
   const bool isStl = std::filesystem::file_size(path, error) == first.size() + kStlTriangle * triangles;
-  return isStl ? SourceKind::Mesh : SourceKind::Log;
+  if (isStl) return SourceKind::Mesh;
+  return first[0] == '{' && isProject(file) ? SourceKind::Project : SourceKind::Log;
 }
 
 }  // namespace restroke::cli

@@ -7,7 +7,8 @@
 namespace restroke::cli {
 
 /// A log or stamp list is what is nothing else: its reader has a sentence for folders and missing files.
-enum class SourceKind : std::uint8_t { Log, Mesh, TriDexel };
+/// A project of CAMotics (sculpt/tools_file.h) says what the workpiece is.
+enum class SourceKind : std::uint8_t { Log, Mesh, TriDexel, Project };
 [[nodiscard]] SourceKind sourceKindOf(const std::string& path);
 
 }  // namespace restroke::cli

@@ -93,6 +93,24 @@ def tri_dexel(program, source, simd, threads):
                         simd, threads)
 
 
+def refined(program, source, simd, threads):
+    """A model of few lines, from a program of a tool path where one lies beside the source, as a camera's rays see it."""
+    with tempfile.TemporaryDirectory() as scratch:
+        model = os.path.join(scratch, "m.tridexel")
+        restroke(program, ["dexel", "build", source, "--resolution", "48", "--out", model], None, threads)
+        if source.endswith(".camotics"):
+            path = next(p for p in (source[:-9] + end for end in (".nc", ".gcode")) if os.path.isfile(p))
+            restroke(program, ["dexel", "apply", model, "--toolpath", path, "--tools", source, "--out", model], None, threads)
+        return restroke(program, ["dexel", "refine", model, "--zone", "frustum", "--size", "96x72", "--method", "ends"], simd, threads)
+
+
+def refined_sources(all_sources, shared_dir, once):
+    """What is refined: shipped logs, stamp lists and machined stocks, each with every combination."""
+    paths = os.path.join(shared_dir, "data", "toolpaths")
+    out = [Source("refine:" + source.name, source.log, not once) for source in all_sources if source.full]
+    return out + [Source("refine:shared/toolpaths/" + name, os.path.join(paths, name), not once) for name in (names(paths, ".camotics") if os.path.isdir(paths) else [])]
+
+
 def dexel_sources(all_sources, shared_dir, once):
     """What becomes a tri-dexel: shipped logs, stamp lists and meshes, each with every combination."""
     meshes = os.path.join(shared_dir, "data", "meshes", "closed")
@@ -201,6 +219,10 @@ def main():
                    for source in all_sources for level, threads in source.variants(levels)}
         results.update({(source.name, level, threads): pool.submit(tri_dexel, options.program, source.log, level, threads)
                         for source in dexels for level, threads in source.variants(levels)})
+        refinements = refined_sources(all_sources, options.shared_dir, options.once)
+        results.update({(source.name, level, threads): pool.submit(refined, options.program, source.log, level, threads)
+                        for source in refinements for level, threads in source.variants(levels)})
+        dexels += refinements
         compare_variants(table, all_sources + dexels, levels, results)
         compare_ways(table, ways)
     if options.write:

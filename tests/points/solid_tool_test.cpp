@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "points/dexel/mesh_dexels.h"
+#include "points/dexel/refine/refine.h"
 #include "points/dexel/toolpath/swept_cutter.h"
 #include "tests/support/brute_force.h"
 #include "tests/support/effort.h"
@@ -178,6 +179,67 @@ TEST(SolidTool, ASlotHasItsVolumeAndAWallToo) {
   apply(grown, {&add, 1});
   EXPECT_NEAR(grown.volume() - model.volume(), 2 * (6 + 0.25 * 3.141592653589793), 0.05);
   EXPECT_NEAR(static_cast<double>(grown.bounds().max.z), 6, 1e-5);
+}
+
+TEST(SolidTool, R5AReplayOnTheModelsOwnLinesHasItsEnds) {
+  // A box machined along lines and arcs, with walls added; every length a multiple of 1/64.
+  Random random(0x7003);
+  RecordProperty("seed", "0x7003");
+  TriDexelDocument document;
+  document.initial = boxMesh({-4, -4, -4}, {4, 4, 4});
+  document.cutters = {{.kind = Cutter::Kind::Flat, .radius = 0.75, .length = 3},
+                      {.kind = Cutter::Kind::Ball, .radius = 0.5, .length = 3},
+                      {.kind = Cutter::Kind::BullNose, .radius = 1, .length = 3, .cornerRadius = 0.25}};
+  const auto place = [&] {
+    DVec3 p;
+    for (int a = 0; a < 3; ++a) p[a] = static_cast<double>(random.below(512)) / 64 - 4;
+    return p;
+  };
+  for (int k = 0; k < 60; ++k) {
+    CutterMove move{.cutter = static_cast<std::uint32_t>(random.below(3)),
+                    .element = {.from = place(), .to = place()}};
+    if (k % 4 == 0) {
+      move.element.kind = PathElement::Kind::Arc;
+      move.element.center = place();
+      move.element.to.z = move.element.from.z;
+    }
+    document.operations.push_back(
+        {random.below(5) == 0 ? DexelOperation::Union : DexelOperation::Subtraction, move});
+  }
+  Box outer;
+  outer.add({{-8, -8, -8}, {8, 8, 8}});
+  document.model = triDexelOf(std::get<TriangleMesh>(document.initial), dexelGridFor(outer, {.cell = 0.25}));
+  for (std::size_t i = 0; i < document.operations.size(); ++i) {
+    const auto& move = std::get<CutterMove>(document.operations[i].tool);
+    const SweptCutter sweep(document.cutters[move.cutter], move.element);
+    const SolidStep step{&sweep, document.operations[i].operation, static_cast<OperationId>(i + 1)};
+    apply(document.model, {&step, 1});
+  }
+
+  const DexelHistory history(document);
+  const Zone zone(orientedBoxOf(outer));
+  const RefinedModel replayed =
+      refine(document, history, zone, newLines(zone, {.cell = 0.25}), {.method = RefineMethod::All});
+  ASSERT_EQ(replayed.families.size(), 3u);
+  LineEnds ends, expected;
+  for (int axis = 0; axis < 3; ++axis) {
+    const RefinedFamily& family = replayed.families[static_cast<std::size_t>(axis)];
+    const Dexels& own = document.model.family(axis);
+    ASSERT_EQ(family.dexels.lineCount(), own.lineCount());
+    for (int row = 0; row < family.dexels.height(); ++row)
+      for (int column = 0; column < family.dexels.width(); ++column) {
+        const DVec3 o = family.lines.family.line(column, row).origin;
+        const int u = document.model.grid().nearestTo((axis + 1) % 3, static_cast<float>(o[(axis + 1) % 3])),
+                  v = document.model.grid().nearestTo((axis + 2) % 3, static_cast<float>(o[(axis + 2) % 3]));
+        own.read(own.lineAt(u, v), expected);
+        family.dexels.read(family.dexels.lineAt(column, row), ends);
+        ASSERT_EQ(ends.size(), expected.size()) << "axis " << axis << ", line " << u << ", " << v;
+        for (std::size_t i = 0; i < ends.size(); ++i) {
+          ASSERT_EQ(ends[i].depth, expected[i].depth) << "axis " << axis << ", line " << u << ", " << v;
+          ASSERT_EQ(ends[i].normal, expected[i].normal) << "axis " << axis << ", line " << u << ", " << v;
+        }
+      }
+  }
 }
 
 TEST(SolidTool, WhatIsNowhereNearChangesNothing) {

@@ -243,6 +243,22 @@ TEST(SweptCutter, R8ArcsOfStraightPartsComeToTheExactOnes) {
     }
 }
 
+TEST(SweptCutter, R8ArcsThatAreNearlyStraight) {
+  Random random(0x5008);
+  RecordProperty("seed", "0x5008");
+  for (const Kind kind : kKinds)
+    for (const double radius : {1e3, 3e4, 9e4, 2e5}) {
+      SCOPED_TRACE(::testing::Message() << "kind " << static_cast<int>(kind) << ", radius " << radius);
+      const DVec3 center(1, 2 - radius, 0);
+      const auto at = [&](double x) {
+        return DVec3(1 + x, 2 - radius + std::sqrt(radius * radius - x * x), 3);
+      };
+      // The last are of straight parts.
+      expectSweep(cutterOf(kind), arcOf(at(-4), at(5), center, 2, true), random,
+                  {.place = radius > 1e5 ? 1.001e-4 : 1e-9 * radius, .lines = kSanitized ? 3 : 30});
+    }
+}
+
 TEST(SweptCutter, R8RandomArcs) {
   Random random(0x5007);
   RecordProperty("seed", "0x5007");

@@ -26,6 +26,9 @@ struct GlBand {
   }
 };
 
+/// What replays on lines need (gl_line_replay.cpp).
+struct GlReplayParts;
+
 class GlDexelContext::State {
  public:
   State();
@@ -46,6 +49,9 @@ class GlDexelContext::State {
   }
   /// Pixels that a picture may have along a side.
   [[nodiscard]] int widest() const { return widest_; }
+
+  /// Bytes of a buffer that a shader sees at once.
+  [[nodiscard]] std::size_t largestBlock() const { return memory_->largestBlock(); }
 
   /// Runs the program on all lines, which it knows as lineCount.
   static void runOnLines(const GlProgram& program, std::size_t lines);
@@ -72,6 +78,8 @@ class GlDexelContext::State {
     unsigned framebuffer = 0, vertexArray = 0, elements = 0;
   };
   [[nodiscard]] Scratch& scratch() { return *scratch_; }
+  /// Made by the first who asks.
+  [[nodiscard]] GlReplayParts& replayParts();
 
  private:
   void makeDrawing();
@@ -81,6 +89,7 @@ class GlDexelContext::State {
   std::shared_ptr<GlMemory> memory_;
   Programs programs_;
   std::unique_ptr<Scratch> scratch_;
+  std::shared_ptr<GlReplayParts> replayParts_;
   std::string driver_;
   int widest_ = 0;
 };

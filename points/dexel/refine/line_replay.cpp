@@ -13,8 +13,9 @@
 
 #include "implicit/errors.h"
 #include "implicit/parallel.h"
-#include "points/dexel/refine/family_raster.h"
+#include "points/dexel/refine/line_start.h"
 #include "points/dexel/refine/model_cells.h"
+#include "points/dexel/refine/placed_steps.h"
 #include "points/dexel/refine/steps_on_line.h"
 #include "points/dexel/simd/span_kernels.h"
 
@@ -38,12 +39,6 @@ float roundedUp(double x) {
 float roundedDown(double x) {
   return -roundedUp(-x);
 }
-
-// A step, by its number, and the lines that it may change.
-struct PlacedStep {
-  std::uint32_t step;
-  LineRectangle lines;
-};
 
 // Some neighbouring lines of some rows, as kernels take them; columns and rows count from the tile's first.
 class Tile {
@@ -116,7 +111,7 @@ class TileReplay {
     for (int row = 0; row < rows_; ++row)
       for (int column = 0; column < tile_.columns(); ++column) {
         const std::size_t at = Tile::indexOf(column, row);
-        if (!startLikeNeighbour(column, row)) startLine(painters_[at], tile_.line(column, row));
+        if (!startLikeNeighbour(column, row)) startLine(painters_[at], tile_.line(column, row), basis_.known);
         low_[at] = painters_[at].low();
         high_[at] = painters_[at].high();
         open_ += low_[at] < high_[at] ? 1 : 0;
@@ -173,27 +168,6 @@ class TileReplay {
     };
     return (column > 0 && isLike(column - 1, row)) || (row > 0 && isLike(column, row - 1));
   }
-  void startLine(LinePainter& painter, const CutLine& line) const {
-    if (!(line.from < line.to)) {
-      painter.clear();
-    } else if (!basis_.known) {
-      painter.start(line.from, line.to);
-    } else {
-      painter.startPieces();
-      float begin = line.from;
-      basis_.known->forStretches(line.ray, {static_cast<double>(line.from), static_cast<double>(line.to)},
-                                 [&](ModelCells::Kind kind, double, double exit) {
-                                   const float end = std::min(static_cast<float>(exit), line.to);
-                                   if (!(begin < end)) return;
-                                   painter.startPiece(
-                                       begin, kind == ModelCells::Kind::Mixed  ? LinePainter::kUndecided
-                                              : kind == ModelCells::Kind::Full ? LinePainter::kKnownFull
-                                                                               : LinePainter::kKnownEmpty);
-                                   begin = end;
-                                 });
-      painter.endPieces(line.to);
-    }
-  }
   // Where a painter stands, for kernels.
   void note(std::size_t at) {
     const bool wasOpen = low_[at] < high_[at];
@@ -230,13 +204,6 @@ class TileReplay {
   std::array<std::uint32_t, kTile + kPadding> several_;  // no line has: kernels ask
   std::array<float, kTile + kPadding> enter_, exit_;
 };
-
-std::vector<HistoryStep> stepsOf(const DexelHistory& history, std::span<const OperationId> ids) {
-  std::vector<HistoryStep> steps;
-  steps.reserve(ids.size());
-  for (const OperationId id : ids) history.stepsOf(id, steps);
-  return steps;
-}
 
 // Rows of a family under steps.
 class BandReplay {
@@ -308,16 +275,7 @@ Dexels replay(const DexelHistory& history, std::span<const OperationId> ids, con
   Dexels out(lines.family.width, lines.family.height, {.operations = true});
   RESTROKE_CHECK_EQ(out.lineCount(), lines.from.size());
   const std::vector<HistoryStep> steps = stepsOf(history, ids);
-  const FamilyRaster raster(lines.family);
-  std::vector<PlacedStep> placed;
-  placed.reserve(steps.size());
-  for (std::uint32_t i = 0; i < steps.size(); ++i) {
-    const HistoryStep& step = steps[i];
-    const LineRectangle rectangle = step.operation == DexelOperation::Intersection ? raster.whole()
-                                    : step.ball                                    ? raster.of(*step.ball)
-                                                : raster.of(step.solid->bounds());
-    if (!rectangle.empty()) placed.push_back({i, rectangle});
-  }
+  const std::vector<PlacedStep> placed = placedSteps(steps, lines.family);
   BandReplay bands(lines, steps, basis);
   const int count = (lines.family.height + kBand - 1) / kBand;
   inArena(execution, [&] { tbb::parallel_for(0, count, [&](int b) { bands.run(placed, b * kBand, out); }); });

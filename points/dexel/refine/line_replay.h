@@ -1,6 +1,7 @@
 #pragma once
 // Operations replayed on lines, line by line and in parallel (SPEC R5, R6).
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -49,6 +50,10 @@ struct ReplayBasis {
 [[nodiscard]] Dexels replay(const DexelHistory& history, std::span<const OperationId> ids,
                             const LinesInZone& lines, const Execution& execution = {},
                             const ReplayBasis& basis = {});
+
+/// What replays: `replay`, or another engine with the same result (gl/gl_line_replay.h).
+using LineReplayer = std::function<Dexels(const DexelHistory&, std::span<const OperationId>,
+                                          const LinesInZone&, const Execution&, const ReplayBasis&)>;
 
 /// The same result by its definition: each line asks each operation. O(lines x operations).
 [[nodiscard]] Dexels replayPlainly(const DexelHistory& history, std::span<const OperationId> ids,

@@ -28,21 +28,6 @@ bool isUpright(const OrientedBox& box) {
   return box.axes[0] == DVec3(1, 0, 0) && box.axes[1] == DVec3(0, 1, 0) && box.axes[2] == DVec3(0, 0, 1);
 }
 
-// A family of the grid: a depth is the coordinate along the axis, in the grid's frame.
-LineFamily familyOf(const ZoneGrid& zone, int axis) {
-  const DexelGrid& grid = zone.grid;
-  const auto a = static_cast<std::size_t>(axis), u = (a + 1) % 3, v = (a + 2) % 3;
-  DVec3 first(0);
-  first[static_cast<int>(u)] = static_cast<double>(grid.at(static_cast<int>(u), 0));
-  first[static_cast<int>(v)] = static_cast<double>(grid.at(static_cast<int>(v), 0));
-  return {.width = grid.width(axis),
-          .height = grid.height(axis),
-          .origin = zone.inModel(first),
-          .direction = zone.axes[a],
-          .originStep = grid.cell() * zone.axes[u],
-          .originRowStep = grid.cell() * zone.axes[v]};
-}
-
 DexelGridOptions checked(const NewLines& options) {
   if (options.perPixel) throw InputError("lines: one a pixel is for frustums; a box has no pixels");
   if ((options.resolution ? 1 : 0) + (options.cell ? 1 : 0) + (options.among ? 1 : 0) > 1)
@@ -106,6 +91,20 @@ LineFamily inFrustum(Camera camera, const NewLines& options) {
 }
 
 }  // namespace
+
+LineFamily familyOf(const ZoneGrid& zone, int axis) {
+  const DexelGrid& grid = zone.grid;
+  const auto a = static_cast<std::size_t>(axis), u = (a + 1) % 3, v = (a + 2) % 3;
+  DVec3 first(0);
+  first[static_cast<int>(u)] = static_cast<double>(grid.at(static_cast<int>(u), 0));
+  first[static_cast<int>(v)] = static_cast<double>(grid.at(static_cast<int>(v), 0));
+  return {.width = grid.width(axis),
+          .height = grid.height(axis),
+          .origin = zone.inModel(first),
+          .direction = zone.axes[a],
+          .originStep = grid.cell() * zone.axes[u],
+          .originRowStep = grid.cell() * zone.axes[v]};
+}
 
 std::optional<ZoneGrid> gridFor(const Zone& zone, const NewLines& options) {
   if (std::holds_alternative<Camera>(zone.shape()) || options.direction) return std::nullopt;

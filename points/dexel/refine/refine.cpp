@@ -1,10 +1,12 @@
 #include "points/dexel/refine/refine.h"
 
 #include <tbb/parallel_for.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 
 #include "implicit/errors.h"
 #include "implicit/parallel.h"
@@ -95,8 +97,8 @@ Sorts sortsOf(const TriDexelDocument& document, const std::vector<OperationId>& 
 class Refinement {
  public:
   Refinement(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
-             const RefineOptions& options)
-      : document_(document), history_(history), zone_(zone), options_(options) {}
+             const RefineOptions& options, const LineReplayer& replayer)
+      : document_(document), history_(history), zone_(zone), options_(options), replay_(replayer) {}
 
   RefinedModel run(const std::vector<LineFamily>& families, const Execution& execution) {
     out_.ids = timed(out_.times.collect, [&] { return collect(); });
@@ -148,7 +150,7 @@ class Refinement {
   [[nodiscard]] Dexels replayed(const LinesInZone& lines, const ModelCells* known,
                                 const Execution& execution) {
     return timed(out_.times.replay,
-                 [&] { return replay(history_, out_.ids, lines, execution, {.known = known}); });
+                 [&] { return replay_(history_, out_.ids, lines, execution, {.known = known}); });
   }
 
   [[nodiscard]] Dexels byDocument(const LinesInZone& lines, const ModelCells& cells,
@@ -161,10 +163,10 @@ class Refinement {
       std::span<const OperationId> ids = out_.ids;
       if (upper && !ids.empty() && ids.front() == OperationId::Initial) {
         // Of the upper approximation only what the initial solid holds.
-        start = both(start, replay(history_, ids.first(1), lines, execution));
+        start = both(start, replay_(history_, ids.first(1), lines, execution, {}));
         ids = ids.subspan(1);
       }
-      return replay(history_, ids, lines, execution, {.start = &start});
+      return replay_(history_, ids, lines, execution, {.start = &start});
     });
   }
 
@@ -189,6 +191,7 @@ class Refinement {
   const DexelHistory& history_;
   const Zone& zone_;
   const RefineOptions& options_;
+  const LineReplayer& replay_;
   RefinedModel out_;
 };
 
@@ -240,6 +243,25 @@ void turnNormals(Dexels& dexels, const ZoneGrid& grid) {
 
 }  // namespace
 
+std::uint64_t stateHash(const RefinedModel& refined) {
+  static_assert(sizeof(SpanEnd) == 16);
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                              XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  LineEnds ends;
+  for (const RefinedFamily& family : refined.families) {
+    const std::int32_t size[2] = {family.dexels.width(), family.dexels.height()};
+    XXH3_64bits_update(state.get(), size, sizeof size);
+    for (std::size_t line = 0; line < family.dexels.lineCount(); ++line) {
+      family.dexels.read(line, ends);
+      const auto count = static_cast<std::uint32_t>(ends.size());
+      XXH3_64bits_update(state.get(), &count, sizeof count);
+      XXH3_64bits_update(state.get(), ends.data(), ends.size() * sizeof(SpanEnd));
+    }
+  }
+  return XXH3_64bits_digest(state.get());
+}
+
 TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
   RESTROKE_CHECK_EQ(refined.families.size(), 3u);
   TriDexel out(grid.grid);
@@ -256,11 +278,17 @@ TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
 RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
                     const std::vector<LineFamily>& lines, const RefineOptions& options,
                     const Execution& execution) {
+  return refine(document, history, zone, lines, options, execution, replay);
+}
+
+RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
+                    const std::vector<LineFamily>& lines, const RefineOptions& options,
+                    const Execution& execution, const LineReplayer& replayer) {
   refuse(document.model, options.method);
   if (!(std::isfinite(options.widening) && options.widening >= 0 && options.widening <= kMostLines))
     throw InputError(fmt::format("the zone is to be widened by {} cells; it must be 0 to {}",
                                  options.widening, kMostLines));
-  return Refinement(document, history, zone, options).run(lines, execution);
+  return Refinement(document, history, zone, options, replayer).run(lines, execution);
 }
 
 }  // namespace restroke::points

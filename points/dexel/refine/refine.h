@@ -75,6 +75,10 @@ struct ZoneGrid {
   [[nodiscard]] DVec3 inModel(DVec3 p) const { return origin + directionInModel(p); }
 };
 
+/// The lines of a grid along an axis, 0 to 2: column i and row j are those of DexelGrid, and a depth is the
+/// coordinate along the axis in the grid's frame.
+[[nodiscard]] LineFamily familyOf(const ZoneGrid& zone, int axis);
+
 /// The grid of the three families for a box or a ball; nothing for a frustum, and where one direction is
 /// asked for. Throws InputError as newLines.
 [[nodiscard]] std::optional<ZoneGrid> gridFor(const Zone& zone, const NewLines& options);
@@ -114,6 +118,9 @@ struct RefinedModel {
   [[nodiscard]] std::optional<double> volume() const;
 };
 
+/// Of the families' sizes and all their ends, bit for bit. O(lines + ends).
+[[nodiscard]] std::uint64_t stateHash(const RefinedModel& refined);
+
 /// The model on a zone's grid, whose three families were refined. Coordinates are those of the grid's frame.
 [[nodiscard]] TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined);
 
@@ -123,5 +130,10 @@ struct RefinedModel {
 [[nodiscard]] RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history,
                                   const Zone& zone, const std::vector<LineFamily>& lines,
                                   const RefineOptions& options = {}, const Execution& execution = {});
+/// The same, with lines replayed by `replayer`. RefineOptions::plain asks replayPlainly all the same.
+[[nodiscard]] RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history,
+                                  const Zone& zone, const std::vector<LineFamily>& lines,
+                                  const RefineOptions& options, const Execution& execution,
+                                  const LineReplayer& replayer);
 
 }  // namespace restroke::points

@@ -25,8 +25,12 @@ class StepsOnLine {
   /// `steps` in order; `start` is what the line held before them.
   explicit StepsOnLine(std::span<const HistoryStep> steps) : steps_(steps) {}
 
+  [[nodiscard]] static bool isStep(std::uint32_t owner) { return owner < LinePainter::kKnownEmpty; }
   [[nodiscard]] bool fills(std::uint32_t step) const {
     return steps_[step].operation == DexelOperation::Union;
+  }
+  [[nodiscard]] OperationId idOf(std::uint32_t owner) const {
+    return isStep(owner) ? steps_[owner].id : OperationId::None;
   }
   [[nodiscard]] std::span<const HistoryStep> steps() const { return steps_; }
 
@@ -37,6 +41,29 @@ class StepsOnLine {
                   last = std::min(static_cast<float>(exit), line.to);
       if (first < last) painter.paint(first, last, step);
     });
+  }
+
+  /// A stretch of the whole line that a step decides.
+  struct Stretch {
+    float enter, exit;
+  };
+  /// Appends them, ascending.
+  void stretchesOf(std::uint32_t step, const Ray& line, std::vector<Stretch>& stretches) {
+    forStretches(step, line, [&](double enter, double exit, auto) {
+      stretches.push_back({static_cast<float>(enter), static_cast<float>(exit)});
+    });
+  }
+
+  /// Where an owner gives way to another on a line, and the solid begins or ends.
+  struct Border {
+    float depth;
+    std::uint32_t before, after;
+    bool begins;
+  };
+  /// The normal of its end; at least one of the owners is a step.
+  [[nodiscard]] PackedNormal normalAt(const Border& border, const Ray& line) {
+    return normalAt({border.depth, border.before, !border.begins},
+                    {border.depth, border.after, border.begins}, line, {});
   }
 
   /// The ends of a painted line; `start`: what the line held where no step has decided.
@@ -74,12 +101,40 @@ class StepsOnLine {
     bool solid;
   };
 
-  [[nodiscard]] static bool isStep(std::uint32_t owner) { return owner < LinePainter::kKnownEmpty; }
   [[nodiscard]] bool isSolid(std::uint32_t owner) const {
     return isStep(owner) ? fills(owner) : owner == LinePainter::kKnownFull;
   }
-  [[nodiscard]] OperationId idOf(std::uint32_t owner) const {
-    return isStep(owner) ? steps_[owner].id : OperationId::None;
+
+  // Most lines of a solid's rectangle on the raster miss it: sweeps are long and thin.
+  [[nodiscard]] static bool meets(const Ray& line, const Box& box) {
+    double enter = -std::numeric_limits<double>::infinity(), exit = -enter;
+    for (int a = 0; a < 3; ++a) {
+      const double low = static_cast<double>(box.min[a]) - line.origin[a],
+                   high = static_cast<double>(box.max[a]) - line.origin[a], rate = line.direction[a];
+      if (rate == 0) {
+        if (low > 0 || high < 0) return false;
+        continue;
+      }
+      enter = std::max(enter, (rate > 0 ? low : high) / rate);
+      exit = std::min(exit, (rate > 0 ? high : low) / rate);
+    }
+    return enter <= exit;
+  }
+
+  // spans_ become those of the step's solid. A solid with many of them makes many ends of a line: it is met
+  // with the line once.
+  void findSpans(std::uint32_t number, const Ray& line) {
+    if (number == spansOf_ && line.origin == spansOn_.origin && line.direction == spansOn_.direction) return;
+    const HistoryStep& step = steps_[number];
+    spans_.clear();
+    if (!step.ball) {
+      if (meets(line, step.solid->bounds())) step.solid->intersect(line, spans_);
+    } else if (const auto in = intersect(*step.ball, line)) {
+      spans_.push_back({in->enter, in->exit, Vec3(outwardNormal(*step.ball, line.at(in->enter))),
+                        Vec3(outwardNormal(*step.ball, line.at(in->exit)))});
+    }
+    spansOf_ = number;
+    spansOn_ = line;
   }
 
   // Calls f(enter, exit, normalAt) for the stretches of the whole line that the step decides; normalAt(false)
@@ -97,13 +152,7 @@ class StepsOnLine {
       });
       return;
     }
-    spans_.clear();
-    if (!step.ball) {
-      step.solid->intersect(line, spans_);
-    } else if (const auto in = intersect(*step.ball, line)) {
-      spans_.push_back({in->enter, in->exit, Vec3(outwardNormal(*step.ball, line.at(in->enter))),
-                        Vec3(outwardNormal(*step.ball, line.at(in->exit)))});
-    }
+    findSpans(number, line);
     if (step.operation != DexelOperation::Intersection) {
       const bool fills = step.operation == DexelOperation::Union;
       for (const SolidSpan& span : spans_)
@@ -149,7 +198,9 @@ class StepsOnLine {
   }
 
   std::span<const HistoryStep> steps_;
-  std::vector<SolidSpan> spans_;
+  std::vector<SolidSpan> spans_;  // of a step on a line
+  std::uint32_t spansOf_ = LinePainter::kUndecided;
+  Ray spansOn_;
   std::vector<Piece> pieces_;
 };
 

@@ -113,6 +113,13 @@ Zone::Zone(const Camera& camera) : shape_(camera) {
   volume_ = 4.0 / 3 * frame.halfWidth * frame.halfHeight * (far * far * far - near * near * near);
 }
 
+std::array<DVec3, 8> Zone::corners() const {
+  if (const auto* box = std::get_if<OrientedBox>(&shape_)) return cornersOf(*box);
+  if (const auto* camera = std::get_if<Camera>(&shape_))
+    return cornersOf(frameOf(*camera), static_cast<double>(camera->near), static_cast<double>(camera->far));
+  return cornersOf(orientedBoxOf(bounds_));
+}
+
 bool Zone::contains(DVec3 p) const {
   if (const auto* ball = std::get_if<implicit::Sphere>(&shape_)) {
     const DVec3 d = p - DVec3(ball->center);

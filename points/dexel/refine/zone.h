@@ -33,6 +33,9 @@ class Zone {
   explicit Zone(const Camera& camera);
 
   [[nodiscard]] const std::variant<OrientedBox, implicit::Sphere, Camera>& shape() const { return shape_; }
+  /// Of a box or a frustum before it was widened: bits 0 to 2 of a corner's number say which side it is on
+  /// along the first, second and third axis (of a frustum right, up and far). Of a ball those of its box.
+  [[nodiscard]] std::array<DVec3, 8> corners() const;
   /// Holds the zone; rounded outwards.
   [[nodiscard]] const Box& bounds() const { return bounds_; }
   /// Of the zone as it was before it was widened.

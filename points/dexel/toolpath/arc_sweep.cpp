@@ -224,13 +224,15 @@ DVec3 ChordSweep::splitInto(std::vector<Part>& parts, const Part& part) const {
   return middle;
 }
 
-ChordSweep::Reach ChordSweep::reachOf(const Part& part) const {
-  const DVec3 chord = part.end - part.begin;
-  // A straight part is its chord. Of more than half a turn all of the circle is reached.
+ChordSweep::Way ChordSweep::wayOf(const Part& part) const {
+  // Of more than half a turn all of the circle is reached.
   if (part.isLong)
-    return {arc_.at({0, 0}, (part.heightBegin + part.heightEnd) / 2), arc_.radius + length(chord) / 2};
-  const double above = part.level == 0 ? 0 : above_[static_cast<std::size_t>(part.level)];
-  return {0.5 * (part.begin + part.end), length(chord) / 2 + above};
+    return {.middle = arc_.at({0, 0}, (part.heightBegin + part.heightEnd) / 2),
+            .half = {0, 0, (part.end.z - part.begin.z) / 2},
+            .beside = arc_.radius + length(part.end - part.begin) / 2};
+  // A straight part is its chord.
+  const double beside = part.level == 0 ? 0 : above_[static_cast<std::size_t>(part.level)];
+  return {.middle = 0.5 * (part.begin + part.end), .half = 0.5 * (part.end - part.begin), .beside = beside};
 }
 
 // Whether the cutter near a place could add to what is known of a line.
@@ -244,9 +246,10 @@ class ChordSweep::Probe {
         line_(line),
         pieces_(pieces) {}
 
-  // With the tip within `reach` of the place. False only if it adds nothing.
-  [[nodiscard]] bool mayAdd(DVec3 tip, double reach) const {
-    const DVec3 o = line_.origin - tip, e = line_.direction;
+  // With the tip where `way` says. False only if it adds nothing.
+  [[nodiscard]] bool mayAdd(const Way& way) const {
+    const DVec3 o = line_.origin - way.middle, e = line_.direction;
+    const double reach = way.reach();
     Stretch s = lines::between(o.z, e.z, low_ - reach, high_ + reach);
     if (s.empty()) return false;
     s.clip(lines::inCircle({o.x, o.y}, {e.x, e.y}, radius_ + reach));
@@ -257,35 +260,38 @@ class ChordSweep::Probe {
       if (known) return true;
       known = &span;
     }
-    return !known || (s.enter < known->enter && mayPass(o, known->enter, -1, reach)) ||
-           (s.exit > known->exit && mayPass(o, known->exit, 1, reach));
+    return !known || (s.enter < known->enter && mayPass(o, known->enter, -1, way)) ||
+           (s.exit > known->exit && mayPass(o, known->exit, 1, way));
   }
 
  private:
-  // Can the cutter be on the line beyond t? Not where it is farther than `reach` from the point at t, and its
-  // distance, which is convex, grows from there.
-  [[nodiscard]] bool mayPass(DVec3 origin, double t, double outwards, double reach) const {
+  // Can the cutter be on the line beyond t? Its distance is a convex function, which is nowhere less than the
+  // linear one that touches it: when that is positive for all places of the tip, and grows along the line, it
+  // cannot.
+  [[nodiscard]] bool mayPass(DVec3 origin, double t, double outwards, const Way& way) const {
     const DVec3 e = line_.direction, p = origin + t * e;
     const double rho = std::sqrt(p.x * p.x + p.y * p.y);
-    const double growth = rho > 0 ? (p.x * e.x + p.y * e.y) / rho : 0;
-    // The greatest of the distances from the side and the lower end, or from the rounded part of both, and
-    // from the upper end, and how it grows along the line.
-    double gap = p.z - high_, slope = e.z;
-    const auto take = [&](double itsGap, double itsSlope) {
+    const DVec3 out = rho > 0 ? DVec3(p.x / rho, p.y / rho, 0) : DVec3(0);
+    // The greatest of the distances from the upper end, and from the side and the lower end, or from the
+    // rounded part of both.
+    double gap = p.z - high_;
+    DVec3 gradient(0, 0, 1);
+    const auto take = [&](double itsGap, DVec3 itsGradient) {
       if (itsGap > gap) {
         gap = itsGap;
-        slope = itsSlope;
+        gradient = itsGradient;
       }
     };
     if (round_ > 0) {
-      const double out = std::max(0.0, rho - (radius_ - round_)), down = std::max(0.0, round_ - p.z);
-      const double distance = std::sqrt(out * out + down * down);
-      take(distance - round_, distance > 0 ? (out * growth - down * e.z) / distance : 0);
+      const double beside = std::max(0.0, rho - (radius_ - round_)), below = std::max(0.0, round_ - p.z);
+      const double distance = std::sqrt(beside * beside + below * below);
+      take(distance - round_, distance > 0 ? (beside * out - DVec3(0, 0, below)) / distance : DVec3(0));
     } else {
-      take(rho - radius_, growth);
-      take(low_ - p.z, -e.z);
+      take(rho - radius_, out);
+      take(low_ - p.z, {0, 0, -1});
     }
-    return !(gap > reach && slope * outwards >= 0);
+    const double nearer = std::fabs(dot(gradient, way.half)) + way.beside;
+    return !(gap > nearer && dot(gradient, e) * outwards >= 0);
   }
 
   double radius_, round_, low_, high_;
@@ -315,17 +321,19 @@ void ChordSweep::intersect(const LocalLine& line, LinePieces& pieces) const {
   };
   // Level by level, and the cutter in the middle of each part at once: soon most of the stretch is covered,
   // and only those parts are left that could make it longer.
-  std::vector<Part> parts{whole()}, next;
+  // The memory serves the next line too.
+  thread_local std::vector<Part> parts, next;
+  parts.assign(1, whole());
   while (!parts.empty()) {
     next.clear();
     for (const Part& part : parts) {
-      if (const Reach reach = reachOf(part); !probe.mayAdd(reach.center, reach.radius)) continue;
+      if (!probe.mayAdd(wayOf(part))) continue;
       if (part.level == 0) {
         add(part.begin, part.end);
         continue;
       }
       const DVec3 middle = splitInto(next, part);
-      if (probe.mayAdd(middle, 0)) add(middle, middle);
+      if (probe.mayAdd({.middle = middle, .half = DVec3(0), .beside = 0})) add(middle, middle);
     }
     std::swap(parts, next);
   }
@@ -340,11 +348,10 @@ bool ChordSweep::contains(DVec3 p) const {
   while (!parts.empty()) {
     const Part part = parts.back();
     parts.pop_back();
-    const Reach reach = reachOf(part);
-    const DVec3 q = p - reach.center;
-    const double wide = cutter_.radius + reach.radius;
-    if (q.x * q.x + q.y * q.y > wide * wide || q.z < -reach.radius || q.z > cutter_.length + reach.radius)
-      continue;
+    const Way way = wayOf(part);
+    const DVec3 q = p - way.middle;
+    const double reach = way.reach(), wide = cutter_.radius + reach;
+    if (q.x * q.x + q.y * q.y > wide * wide || q.z < -reach || q.z > cutter_.length + reach) continue;
     if (part.level > 0)
       splitInto(parts, part);
     else if (StraightSweep(cutter_, part.begin, part.end).contains(p))

@@ -52,12 +52,13 @@ class ChordSweep {
   [[nodiscard]] Part whole() const;
   /// Appends both halves, and returns where they meet.
   DVec3 splitInto(std::vector<Part>& parts, const Part& part) const;
-  /// A ball that has all of a part of the tip's way.
-  struct Reach {
-    DVec3 center{0};
-    double radius = 0;
+  /// The tip is within `beside` of a segment: so far to both sides of its middle.
+  struct Way {
+    DVec3 middle{0}, half{0};
+    double beside = 0;
+    [[nodiscard]] double reach() const { return length(half) + beside; }
   };
-  [[nodiscard]] Reach reachOf(const Part& part) const;
+  [[nodiscard]] Way wayOf(const Part& part) const;
   class Probe;
 
   CutterProfile cutter_;

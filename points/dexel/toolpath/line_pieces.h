@@ -12,7 +12,8 @@ namespace restroke::points {
 /// `mend`, which rounding leaves where solids touch, are closed.
 class LinePieces {
  public:
-  explicit LinePieces(double mend) : mend_(mend) {}
+  /// They are put into `spans`, which is empty.
+  LinePieces(double mend, std::vector<LocalSpan>& spans) : mend_(mend), spans_(spans) {}
 
   void add(const LocalSpan& span) {
     if (span.empty()) return;
@@ -42,7 +43,7 @@ class LinePieces {
 
  private:
   double mend_;
-  std::vector<LocalSpan> spans_;
+  std::vector<LocalSpan>& spans_;
 };
 
 }  // namespace restroke::points

@@ -6,7 +6,8 @@
 #include <glm/common.hpp>
 #include <limits>
 #include <optional>
-#include <variant>
+#include <utility>
+#include <vector>
 
 #include "implicit/errors.h"
 #include "points/dexel/toolpath/arc_path.h"
@@ -21,6 +22,7 @@ namespace {
 constexpr double kMend = 1e-9;
 // More than what intersect() may be off, as part of the sweep's size.
 constexpr double kMargin = 1e-8;
+constexpr double kMostRadii = 1e5;
 
 // The columns of a rotation, straightened: a rotation along the axes keeps its bits.
 std::array<DVec3, 3> axesOf(const Cutter& cutter) {
@@ -81,9 +83,44 @@ Box boundsOf(const Cutter& cutter, const std::array<DVec3, 3>& axes, const PathE
 
 }  // namespace
 
+// Of one kind each: histories hold many.
 struct SweptCutter::Body {
-  std::variant<StraightSweep, PlaneArcSweep, ChordSweep> sweep;
+  Body() = default;
+  virtual ~Body() = default;
+  Body(const Body&) = delete;
+  Body& operator=(const Body&) = delete;
+  // Appends stretches to none.
+  virtual void intersect(const LocalLine& line, std::vector<LocalSpan>& spans) const = 0;
+  [[nodiscard]] virtual bool contains(DVec3 p) const = 0;
+
+  template <class Sweep>
+  struct Of;
+  template <class Sweep>
+  static std::unique_ptr<const Body> make(Sweep sweep, double mend) {
+    return std::make_unique<Of<Sweep>>(std::move(sweep), mend);
+  }
+};
+
+template <class Sweep>
+struct SweptCutter::Body::Of final : Body {
+  Of(Sweep own, double gap) : sweep(std::move(own)), mend(gap) {}
+  void intersect(const LocalLine& line, std::vector<LocalSpan>& spans) const override {
+    LinePieces pieces(mend, spans);
+    sweep.intersect(line, pieces);
+  }
+  [[nodiscard]] bool contains(DVec3 p) const override { return sweep.contains(p); }
+  Sweep sweep;
   double mend;
+};
+
+template <>
+struct SweptCutter::Body::Of<StraightSweep> final : Body {
+  Of(StraightSweep own, double) : sweep(own) {}
+  void intersect(const LocalLine& line, std::vector<LocalSpan>& spans) const override {
+    if (const LocalSpan span = sweep.intersect(line); !span.empty()) spans.push_back(span);
+  }
+  [[nodiscard]] bool contains(DVec3 p) const override { return sweep.contains(p); }
+  StraightSweep sweep;
 };
 
 SweptCutter::SweptCutter(const Cutter& cutter, const PathElement& element, const SweepOptions& options)
@@ -103,19 +140,20 @@ SweptCutter::SweptCutter(const Cutter& cutter, const PathElement& element, const
   if (!arc) {
     const DVec3 move = element.to - element.from;
     const DVec3 local(dot(move, axes[0]), dot(move, axes[1]), dot(move, axes[2]));
-    body_.reset(new Body{StraightSweep(profile, DVec3(0), local), mend});
+    body_ = Body::make(StraightSweep(profile, DVec3(0), local), mend);
     return;
   }
-  const bool isPlane = arc->heightBegin == arc->heightEnd;
-  if (isPlane && !options.onlyStraightParts && std::fabs(arc->w.z) == 1 && arc->w.x == 0 && arc->w.y == 0) {
-    body_.reset(new Body{PlaneArcSweep(profile, *arc), mend});
+  // Of larger ones the polynomial of the ring has too few digits left.
+  const bool isPlane = arc->heightBegin == arc->heightEnd && !options.onlyStraightParts &&
+                       arc->radius <= kMostRadii * cutter.radius;
+  if (isPlane && std::fabs(arc->w.z) == 1 && arc->w.x == 0 && arc->w.y == 0) {
+    body_ = Body::make(PlaneArcSweep(profile, *arc), mend);
     return;
   }
   ChordSweep chords(profile, *arc, options.tolerance * cutter.radius);
-  if (isPlane && !options.onlyStraightParts && cutter.kind == Cutter::Kind::Ball &&
-      cutter.length >= 2 * cutter.radius)
+  if (isPlane && cutter.kind == Cutter::Kind::Ball && cutter.length >= 2 * cutter.radius)
     chords.takeBallExactly();
-  body_.reset(new Body{chords, mend});
+  body_ = Body::make(std::move(chords), mend);
 }
 
 SweptCutter::~SweptCutter() = default;
@@ -125,25 +163,17 @@ void SweptCutter::intersect(const Ray& line, std::vector<SolidSpan>& spans) cons
   const LocalLine local{{dot(o, axes_[0]), dot(o, axes_[1]), dot(o, axes_[2])},
                         {dot(e, axes_[0]), dot(e, axes_[1]), dot(e, axes_[2])}};
   const auto back = [&](DVec3 n) { return Vec3(n.x * axes_[0] + n.y * axes_[1] + n.z * axes_[2]); };
-  const auto append = [&](const LocalSpan& s) {
+  thread_local std::vector<LocalSpan> found;
+  found.clear();
+  body_->intersect(local, found);
+  for (const LocalSpan& s : found)
     if (s.enter < s.exit) spans.push_back({s.enter, s.exit, back(s.enterNormal), back(s.exitNormal)});
-  };
-  if (const auto* straight = std::get_if<StraightSweep>(&body_->sweep)) {
-    append(straight->intersect(local));
-    return;
-  }
-  LinePieces pieces(body_->mend);
-  if (const auto* arc = std::get_if<PlaneArcSweep>(&body_->sweep))
-    arc->intersect(local, pieces);
-  else
-    std::get<ChordSweep>(body_->sweep).intersect(local, pieces);
-  for (const LocalSpan& s : pieces.spans()) append(s);
 }
 
 bool SweptCutter::contains(DVec3 p) const {
   const DVec3 q = p - origin_;
   const DVec3 local(dot(q, axes_[0]), dot(q, axes_[1]), dot(q, axes_[2]));
-  return std::visit([&](const auto& sweep) { return sweep.contains(local); }, body_->sweep);
+  return body_->contains(local);
 }
 
 }  // namespace restroke::points

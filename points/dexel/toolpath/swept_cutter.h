@@ -27,7 +27,9 @@ struct SweepOptions {
 ///   the cutter's axis   degree 4), to the same bound.
 ///   other plane arcs    ball: the ball's ring likewise where the cutter is at least two radii long; its
 ///                       shank, and flat and bull-nose cutters, by straight parts: within `tolerance` radii.
-///   helices             by straight parts: within `tolerance` radii.
+///   helices, and arcs   by straight parts: within `tolerance` radii.
+///   of more than 1e5
+///   cutter radii
 ///
 /// Moves that are off a plane or an axis by less than 2^-40 of their size are straightened; gaps of less than
 /// 1e-9 radii on a line are closed. Everything is computed in double, from + - * / and sqrt in a fixed order:
