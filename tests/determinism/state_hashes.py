@@ -8,7 +8,7 @@ TEXT says how RESTROKE was built, for the table's head; `ctest -R determinism -V
 and Debian compares with the same state_hashes.txt, so all of them agree. What is in the shared folder is left out where that is absent.
 
 Shipped logs and shared stamp lists are replayed at every SIMD level that the processor has with 1, 2 and 8 threads; the stages of a
-figure and imported pen strokes with each of these once. Logs, stamp lists and two meshes also become tri-dexels. Each shipped log and stamp list is also made from its primitives all at
+figure and imported pen strokes with each of these once. Logs, stamp lists and two meshes also become tri-dexels, and logs and machined stocks are refined. Each shipped log and stamp list is also made from its primitives all at
 once, every sample evaluated anew, and each stamp list with a stroke of its own for every stamp: the same hash.
 """
 import argparse
@@ -213,13 +213,13 @@ def main():
         print("built by %s; the processor has %s" % (options.built, ", ".join(levels)))
         ways = [way for source in all_sources if source.full for way in ways_of(source, pool, options.program, scratch)]
         dexels = dexel_sources(all_sources, options.shared_dir, options.once)
+        refinements = refined_sources(all_sources, options.shared_dir, options.once)
         for source in all_sources:
             source.full = source.full and not options.once
         results = {(source.name, level, threads): pool.submit(replay, options.program, source.log, level, threads)
                    for source in all_sources for level, threads in source.variants(levels)}
         results.update({(source.name, level, threads): pool.submit(tri_dexel, options.program, source.log, level, threads)
                         for source in dexels for level, threads in source.variants(levels)})
-        refinements = refined_sources(all_sources, options.shared_dir, options.once)
         results.update({(source.name, level, threads): pool.submit(refined, options.program, source.log, level, threads)
                         for source in refinements for level, threads in source.variants(levels)})
         dexels += refinements
