@@ -9,6 +9,7 @@
 #include "points/dexel/gl/gl_dexel_state.h"
 #include "points/dexel/gl/gl_drawing.h"
 #include "points/dexel/gl/gl_peeling_shaders.h"
+#include "points/dexel/gl/gl_sort_shaders.h"
 
 namespace restroke::points {
 
@@ -22,6 +23,12 @@ std::string text(std::initializer_list<const char*> pieces) {
 
 constexpr const char* kWrites = "#define WRITES\n";
 constexpr const char* kSecond = "#define SECOND\n";
+constexpr const char* kPartsDefined = "#define PARTS\n";
+constexpr const char* kChunks = "#define CHUNKS\n";
+
+GlProgram compute(std::initializer_list<const char*> pieces) {
+  return GlProgram(text(pieces));
+}
 
 }  // namespace
 
@@ -36,7 +43,6 @@ GlDexelContext::State::State() {
   glGetIntegerv(GL_MAX_FRAMEBUFFER_HEIGHT, &framebuffer[1]);
   widest_ = std::min({viewport[0], viewport[1], framebuffer[0], framebuffer[1]});
   driver_ = glDriver();
-  const auto compute = [](std::initializer_list<const char*> pieces) { return GlProgram(text(pieces)); };
   const auto drawing = [](std::initializer_list<const char*> pieces) {
     return GlProgram(text({kPeelVertexMain}), text(pieces));
   };
@@ -45,7 +51,7 @@ GlDexelContext::State::State() {
       .scanGroups = compute({kLineItems, kScan, kScanGroupsMain}),
       .offsets = compute({kLineItems, kTakeOffset, kOffsetsMain}),
       .combineCount = compute({kLineItems, kScan, kCombine}),
-      .combineWrite = compute({kWrites, kLineItems, kTakeOffset, kCombine}),
+      .combineWrite = compute({kWrites, kLineItems, kTakeOffset, kBaseOf, kCombine}),
       .pose = compute({kPoseMain}),
       .hull = compute({kHullMain}),
       .countFragments = drawing({kPeelFragment, kCountFragmentsMain}),
@@ -54,9 +60,9 @@ GlDexelContext::State::State() {
       .nearestTriangle = drawing({kSecond, kPeelFragment, kLayerMain}),
       .takeLayer = compute({kLineItems, kTakeLayerMain}),
       .placeLayer = compute({kLineItems, kPlaceLayerMain}),
-      .sort = compute({kLineItems, kSortMain}),
+      .sort = compute({kLineItems, kSortHead, kSortMain}),
       .pairCount = compute({kLineItems, kScan, kPairMain}),
-      .pairWrite = compute({kWrites, kLineItems, kTakeOffset, kPairMain}),
+      .pairWrite = compute({kWrites, kLineItems, kTakeOffset, kBaseOf, kPairMain}),
   };
   const auto buffer = [&] { return newBuffer(); };
   scratch_ = std::make_unique<Scratch>(Scratch{.offsets = buffer(),
@@ -69,6 +75,8 @@ GlDexelContext::State::State() {
                                                .cursors = buffer(),
                                                .fragments = buffer(),
                                                .numbers = buffer(),
+                                               .merged = buffer(),
+                                               .states = buffer(),
                                                .layers = {}});
   makeDrawing();
   checkGlErrors("the programs for dexels");
@@ -96,12 +104,48 @@ GlDexelContext::State::Use::Use(State& state) : lock_(state.mutex_), current_(st
   state.memory_->deleteWhatIsSetAside();
 }
 
-void GlDexelContext::State::runOnLines(const GlProgram& program, std::size_t lines) {
+const GlDexelContext::State::LongLinePrograms& GlDexelContext::State::longLinePrograms() {
+  if (!longLinePrograms_) {
+    longLinePrograms_ = std::make_unique<const LongLinePrograms>(LongLinePrograms{
+        .longest = compute({kLineItems, kLongestMain}),
+        .sortChunks = compute({kChunks, kLineItems, kSortHead, kTakeChunk, kSortMain}),
+        .merge = compute({kLineItems, kSortHead, kTakeChunk, kMergeMain}),
+        .combineCount = compute({kPartsDefined, kLineItems, kParts, kScan, kCombine}),
+        .combineWrite = compute({kPartsDefined, kWrites, kLineItems, kParts, kTakeOffset, kBaseOf, kCombine}),
+        .pairCount = compute({kPartsDefined, kLineItems, kParts, kScan, kPairMain}),
+        .pairWrite = compute({kPartsDefined, kWrites, kLineItems, kParts, kTakeOffset, kBaseOf, kPairMain}),
+    });
+    checkGlErrors("the programs for long dexels");
+  }
+  return *longLinePrograms_;
+}
+
+void GlDexelContext::State::runInParts(const GlProgram& program, std::size_t lines, std::size_t work) {
+  scratch_->states.reserve(lines * kBytesPerState);
+  scratch_->states.bind(7);
+  program.use();
+  const GLint goesOn = program.at("goesOn");
+  // A part may begin with what the last one ended with.
+  for (std::size_t done = 0; done <= work + 1; done += kWorkPerPart - 1) {
+    glUniform1ui(goesOn, done > 0 ? 1 : 0);
+    runOnLines(program, lines);
+  }
+}
+
+std::size_t GlDexelContext::State::longestOf(const GlBand& band) {
+  scratch_->numbers.fill(sizeof(GLuint), 0);
+  band.offsets.bind(0);
+  scratch_->numbers.bind(5);
+  runOnLines(longLinePrograms().longest, band.lines());
+  return scratch_->numbers.readNumber(0);
+}
+
+void GlDexelContext::State::runOnItems(const GlProgram& program, std::size_t lines, std::size_t items) {
   constexpr std::size_t kGroup = 256;
   program.use();
   glUniform1ui(program.at("lineCount"), static_cast<GLuint>(lines));
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-  glDispatchCompute(static_cast<GLuint>((lines + kGroup - 1) / kGroup), 1, 1);
+  glDispatchCompute(static_cast<GLuint>((items + kGroup - 1) / kGroup), 1, 1);
 }
 
 void GlDexelContext::State::scanGroups(std::size_t lines) {

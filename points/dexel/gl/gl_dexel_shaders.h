@@ -2,8 +2,21 @@
 // GLSL of the Booleans on lines: the algorithm of change_line.h, as one sweep along each line. Every program
 // is kDexelHead, then pieces of this file (and of gl_peeling_shaders.h). Depths are compared as whole
 // numbers, since drivers may take denormal numbers for zero.
+//
+// Mesa's software driver ends the loops of a work item, without a word, when all of them together have gone
+// round 65,535 times, and it counts those of up to 16 items together. So lines with many ends have programs
+// of their own (PARTS): an item stops in time, and the program runs again to go on.
+
+#include <cstddef>
 
 namespace restroke::points {
+
+/// What loops of the sixteen items may come to, with room for what is not counted exactly.
+inline constexpr std::size_t kMostRounds = 60'000;
+/// How far an item goes before it stops, kMostWork below: in fragments, or in ends and stretches.
+inline constexpr std::size_t kWorkPerPart = 2048;
+/// Of one work item between its parts.
+inline constexpr std::size_t kBytesPerState = 48;
 
 inline constexpr const char* kDexelHead = R"(#version 430 core
 const uint kFlag = 0x80000000u;
@@ -76,13 +89,17 @@ void storeCount(uint count) {
 }
 )";
 
-/// newOffsets holds counts.
+/// newOffsets holds counts, and behind them and the place for the last offset a 0, which becomes the largest
+/// count if that is more than kFewFragments: most often there is nothing to write.
 inline constexpr const char* kScanCountsMain = R"(
 void main() {
   uint line = gl_GlobalInvocationID.x;
-  storeCount(line < lineCount ? newOffsets[line] : 0u);
+  uint count = line < lineCount ? newOffsets[line] : 0u;
+  if (count > 16u) atomicMax(newOffsets[lineCount + 1u], count);
+  storeCount(count);
 }
 )";
+inline constexpr std::size_t kFewFragments = 16;
 
 /// One work group: groupSums becomes what is before each group, and behind them the sum of all.
 inline constexpr const char* kScanGroupsMain = R"(
@@ -112,6 +129,33 @@ uint takeOffset(uint line) {
 }
 )";
 
+/// With PARTS: what each item needs to go on, two or three to an item.
+inline constexpr const char* kParts = R"(
+const uint kMostWork = 2048u;
+layout(std430, binding = 7) buffer States { uvec4 states[]; };
+uniform uint goesOn;  // 0: from the beginning
+)";
+
+/// For programs that write, after kTakeOffset.
+inline constexpr const char* kBaseOf = R"(
+uint baseOf(uint line) {
+#ifdef PARTS
+  if (goesOn != 0u) return newOffsets[line];
+#endif
+  return takeOffset(line);
+}
+)";
+
+/// The most ends that a line has.
+inline constexpr const char* kLongestMain = R"(
+layout(std430, binding = 0) readonly buffer Offsets { uint offsets[]; };
+layout(std430, binding = 5) buffer Longest { uint longest; };
+void main() {
+  uint line = gl_GlobalInvocationID.x;
+  if (line < lineCount) atomicMax(longest, offsets[line + 1u] - offsets[line]);
+}
+)";
+
 /// Offsets alone, and a copy of them.
 inline constexpr const char* kOffsetsMain = R"(
 layout(std430, binding = 6) writeonly buffer Cursors { uint cursors[]; };
@@ -124,6 +168,9 @@ void main() {
 /// A line against the tool's same line. With WRITES the new ends are written, without they are counted. As
 /// the stretches come in ascending order, what lies before one is done with: it is `before`, the last end
 /// given out, that the next stretch may still look at.
+///
+/// With PARTS an item stops when it has given out, skipped and looked at kMostWork ends and stretches. It
+/// goes on with the same stretch: what was done of it is not done twice, as `at` is beyond it.
 inline constexpr const char* kCombine = R"(
 layout(std430, binding = 0) readonly buffer LineOffsets { uint lineOffsets[]; };
 layout(std430, binding = 1) readonly buffer LineEnds { uvec4 lineEnds[]; };  // depth, normal, inner, outer
@@ -140,6 +187,13 @@ uint at, stop;        // the line's ends that are still to come
 uint given, base;     // how many were given out, and where
 uvec4 before;         // the last of them
 bool fills;
+
+#ifdef PARTS
+uint work, skipped;
+#define STOP_IF_DUE if (work++ >= kMostWork) return false
+#else
+#define STOP_IF_DUE
+#endif
 
 void give(uvec4 end) {
 #ifdef WRITES
@@ -167,17 +221,29 @@ uvec4 newEnd(uint depth, uint normal, bool hasBefore, uvec4 previous, uint next)
   return uvec4(depth, normal | kFlag, fills ? operationId : beyond, fills ? beyond : operationId);
 }
 
-void changeStretch(uint enter, uint exit, uint enterNormal, uint exitNormal) {
+// False: it stopped.
+bool changeStretch(uint enter, uint exit, uint enterNormal, uint exitNormal) {
   uint enterOrder = orderOf(enter), exitOrder = orderOf(exit);
-  if (enterOrder >= exitOrder) return;
+  STOP_IF_DUE;
+  if (enterOrder >= exitOrder) return true;
   uint done = fills ? 1u : 0u;
-  while (at < stop && orderAt(at) < enterOrder) give(lineEnds[at++]);
+  while (at < stop && orderAt(at) < enterOrder) {
+    STOP_IF_DUE;
+    give(lineEnds[at++]);
+  }
   if (at < stop && orderAt(at) == enterOrder && ((given + 1u) & 1u) == done) give(lineEnds[at++]);
+#ifdef PARTS
+  skipped = max(skipped, at);
+#else
   uint skipped = at;
-  while (skipped < stop && orderAt(skipped) < exitOrder) ++skipped;
+#endif
+  while (skipped < stop && orderAt(skipped) < exitOrder) {
+    STOP_IF_DUE;
+    ++skipped;
+  }
   if (skipped < stop && orderAt(skipped) == exitOrder && ((given + skipped - at + 1u) & 1u) == done) ++skipped;
   uint last = given + skipped - at;
-  if (skipped == at && (given & 1u) == done) return;
+  if (skipped == at && (given & 1u) == done) return true;
   bool opens = (given & 1u) != done, closes = (last & 1u) != done;
   uvec4 opening = uvec4(0u), closing = uvec4(0u);
   if (opens) opening = newEnd(enter, enterNormal, given > 0u, before, at);
@@ -189,11 +255,44 @@ void changeStretch(uint enter, uint exit, uint enterNormal, uint exitNormal) {
   at = skipped;
   if (opens) give(opening);
   if (closes) give(closing);
+  return true;
 }
 
 uint turnedIf(bool turned, uint normal) {
   normal &= ~kFlag;
   return turned ? turnedAround(normal) : normal;
+}
+
+uint tool, toolStop;
+uvec2 previous;  // of an intersection: where the tool's last span ended
+
+bool combine() {
+  if (operation == 2u) {
+    // What is between the tool's spans is cleared.
+    if (at < stop) {
+      for (; tool < toolStop; tool += 2u) {
+        uvec2 enter = toolEnds[tool].xy, exit = toolEnds[tool + 1u].xy;
+        if (!changeStretch(previous.x, enter.x, previous.y, enter.y & ~kFlag)) return false;
+        previous = uvec2(exit.x, exit.y & ~kFlag);
+      }
+      if (!changeStretch(previous.x, kInfinity, previous.y, 0u)) return false;
+    }
+  } else if (fills || at < stop) {
+    for (; tool < toolStop; tool += 2u) {
+      uvec2 enter = toolEnds[tool].xy, exit = toolEnds[tool + 1u].xy;
+      if (!changeStretch(enter.x, exit.x, turnedIf(!fills, enter.y), turnedIf(!fills, exit.y))) return false;
+    }
+  }
+#ifdef WRITES
+  while (at < stop) {
+    STOP_IF_DUE;
+    give(lineEnds[at++]);
+  }
+#else
+  given += stop - at;
+  at = stop;
+#endif
+  return true;
 }
 
 void combine(uint line) {
@@ -202,28 +301,27 @@ void combine(uint line) {
   given = 0u;
   before = uvec4(0u);
   fills = operation == 0u;
-  uint tool = toolOffsets[line], toolStop = toolOffsets[line + 1u];
-  if (operation == 2u) {
-    // What is between the tool's spans is cleared.
-    uvec2 previous = uvec2(kMinusInfinity, 0u);
-    if (at < stop) {
-      for (; tool < toolStop; tool += 2u) {
-        uvec2 enter = toolEnds[tool].xy, exit = toolEnds[tool + 1u].xy;
-        changeStretch(previous.x, enter.x, previous.y, enter.y & ~kFlag);
-        previous = uvec2(exit.x, exit.y & ~kFlag);
-      }
-      changeStretch(previous.x, kInfinity, previous.y, 0u);
-    }
-  } else if (fills || at < stop) {
-    for (; tool < toolStop; tool += 2u) {
-      uvec2 enter = toolEnds[tool].xy, exit = toolEnds[tool + 1u].xy;
-      changeStretch(enter.x, exit.x, turnedIf(!fills, enter.y), turnedIf(!fills, exit.y));
-    }
+  tool = toolOffsets[line];
+  toolStop = toolOffsets[line + 1u];
+  previous = uvec2(kMinusInfinity, 0u);
+#ifdef PARTS
+  work = 0u;
+  skipped = 0u;
+  if (goesOn != 0u) {
+    uvec4 places = states[3u * line];
+    at = places.x;
+    given = places.y;
+    tool = places.z;
+    skipped = places.w;
+    before = states[3u * line + 1u];
+    previous = states[3u * line + 2u].xy;
   }
-#ifdef WRITES
-  while (at < stop) give(lineEnds[at++]);
-#else
-  given += stop - at;
+#endif
+  combine();
+#ifdef PARTS
+  states[3u * line] = uvec4(at, given, tool, skipped);
+  states[3u * line + 1u] = before;
+  states[3u * line + 2u] = uvec4(previous, 0u, 0u);
 #endif
 }
 
@@ -231,7 +329,7 @@ void main() {
   uint line = gl_GlobalInvocationID.x;
 #ifdef WRITES
   if (line >= lineCount) return;
-  base = takeOffset(line);
+  base = baseOf(line);
   combine(line);
 #else
   given = 0u;

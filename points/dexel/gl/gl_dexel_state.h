@@ -19,8 +19,9 @@ namespace restroke::points {
 struct GlBand {
   int axis = 0, row = 0, rows = 0, width = 0;
   GlBuffer offsets, ends;
-  GlBuffer odd;          ///< a bit a line; of no bytes before the first peel
-  std::size_t most = 0;  ///< not fewer ends than there are; 0 only where there are none for sure
+  GlBuffer odd;             ///< a bit a line; of no bytes before the first peel
+  std::size_t most = 0;     ///< not fewer ends than there are; 0 only where there are none for sure
+  std::size_t longest = 0;  ///< not fewer than any line's ends
   [[nodiscard]] std::size_t lines() const {
     return static_cast<std::size_t>(rows) * static_cast<std::size_t>(width);
   }
@@ -54,7 +55,13 @@ class GlDexelContext::State {
   [[nodiscard]] std::size_t largestBlock() const { return memory_->largestBlock(); }
 
   /// Runs the program on all lines, which it knows as lineCount.
-  static void runOnLines(const GlProgram& program, std::size_t lines);
+  static void runOnLines(const GlProgram& program, std::size_t lines) { runOnItems(program, lines, lines); }
+  /// The same with another number of work items.
+  static void runOnItems(const GlProgram& program, std::size_t lines, std::size_t items);
+  /// Runs a program that stops and goes on (PARTS) until each of its items has done so much work.
+  void runInParts(const GlProgram& program, std::size_t lines, std::size_t work);
+  /// The most ends that a line has. Waits for what was computed.
+  [[nodiscard]] std::size_t longestOf(const GlBand& band);
   /// After a program that stored counts: what is before each group of lines.
   void scanGroups(std::size_t lines);
   /// Sum of the counts, after scanGroups.
@@ -69,11 +76,19 @@ class GlDexelContext::State {
   };
   [[nodiscard]] const Programs& programs() const { return programs_; }
 
+  /// Those that few models need: made by the first who asks.
+  struct LongLinePrograms {
+    GlProgram longest, sortChunks, merge;
+    GlProgram combineCount, combineWrite, pairCount, pairWrite;
+  };
+  [[nodiscard]] const LongLinePrograms& longLinePrograms();
+
   /// Places for what an operation makes; it changes places with what was there before.
   struct Scratch {
     GlBuffer offsets, ends, groupSums;
     GlBuffer posed, places;                                 // of the mesh that is drawn, seen in parts
     GlBuffer normals, counts, cursors, fragments, numbers;  // of the mesh; of the band that is drawn
+    GlBuffer merged, states;                                // if it has long lines
     std::vector<GlBuffer> layers;
     unsigned framebuffer = 0, vertexArray = 0, elements = 0;
   };
@@ -88,6 +103,7 @@ class GlDexelContext::State {
   EglContext context_{GlVersion{.major = 4, .minor = 3}};
   std::shared_ptr<GlMemory> memory_;
   Programs programs_;
+  std::unique_ptr<const LongLinePrograms> longLinePrograms_;
   std::unique_ptr<Scratch> scratch_;
   std::shared_ptr<GlReplayParts> replayParts_;
   std::string driver_;
@@ -146,6 +162,7 @@ class GlPeeler {
  private:
   void draw(const GlProgram& program) const;
   void gatherFragments(const GlBand& band);
+  void sortFragments(std::size_t lines);
   void peelLayers(const GlBand& band);
   void offsetsOfCounts(std::size_t lines);
 
@@ -155,6 +172,7 @@ class GlPeeler {
   Box bounds_;
   const GlBand* band_ = nullptr;
   const GlBuffer *columns_ = nullptr, *rows_ = nullptr;
+  std::size_t fragments_ = 0, longest_ = 0;  // of the band; not fewer than any line's
 };
 
 }  // namespace restroke::points

@@ -11,8 +11,10 @@
 #include <limits>
 
 #include "implicit/errors.h"
+#include "points/dexel/gl/gl_dexel_shaders.h"
 #include "points/dexel/gl/gl_dexel_state.h"
 #include "points/dexel/gl/gl_drawing.h"
+#include "points/dexel/gl/gl_sort_shaders.h"
 
 namespace restroke::points {
 
@@ -142,7 +144,8 @@ void GlPeeler::draw(const GlProgram& program) const {
   });
 }
 
-// scratch.counts becomes offsets, scratch.cursors a copy of them.
+// scratch.counts, with a place for the last offset and one more behind it, becomes offsets, scratch.cursors a
+// copy of them.
 void GlPeeler::offsetsOfCounts(std::size_t lines) {
   auto& scratch = state_.scratch();
   scratch.cursors.reserve(lines * sizeof(GLuint));
@@ -153,22 +156,50 @@ void GlPeeler::offsetsOfCounts(std::size_t lines) {
   state_.scanGroups(lines);
   scratch.cursors.bind(6);
   GlDexelContext::State::runOnLines(state_.programs().offsets, lines);
-  scratch.fragments.reserve(state_.countedOf(lines) * kBytesPerFragment);
+  fragments_ = state_.countedOf(lines);
+  longest_ = std::max<std::size_t>(kFewFragments, scratch.counts.readNumber(lines + 1));
+  scratch.fragments.reserve(fragments_ * kBytesPerFragment);
+}
+
+void GlPeeler::sortFragments(std::size_t lines) {
+  auto& scratch = state_.scratch();
+  scratch.counts.bind(0);
+  scratch.fragments.bind(1);
+  const auto tellLongest = [&](const GlProgram& program) {
+    program.use();
+    glUniform1ui(program.at("longest"), static_cast<GLuint>(std::min(longest_, kFragmentsPerChunk)));
+  };
+  if (longest_ <= kFragmentsPerChunk) {
+    tellLongest(state_.programs().sort);
+    GlDexelContext::State::runOnLines(state_.programs().sort, lines);
+    return;
+  }
+  const auto& programs = state_.longLinePrograms();
+  const std::size_t chunks = fragments_ / kFragmentsPerChunk + lines;  // as kTakeChunk counts them
+  tellLongest(programs.sortChunks);
+  GlDexelContext::State::runOnItems(programs.sortChunks, lines, chunks);
+  scratch.merged.reserve(fragments_ * kBytesPerFragment);
+  for (std::size_t run = kFragmentsPerChunk; run < longest_; run *= 2) {
+    programs.merge.use();
+    glUniform1ui(programs.merge.at("run"), static_cast<GLuint>(run));
+    scratch.fragments.bind(1);
+    scratch.merged.bind(2);
+    GlDexelContext::State::runOnItems(programs.merge, lines, chunks);
+    std::swap(scratch.fragments, scratch.merged);
+  }
 }
 
 void GlPeeler::gatherFragments(const GlBand& band) {
   auto& scratch = state_.scratch();
   const std::size_t lines = band.lines();
-  scratch.counts.fill((lines + 1) * sizeof(GLuint), 0);
+  scratch.counts.fill((lines + 2) * sizeof(GLuint), 0);
   scratch.counts.bind(3);
   draw(state_.programs().countFragments);
   offsetsOfCounts(lines);
   scratch.cursors.bind(3);
   scratch.fragments.bind(4);
   draw(state_.programs().gatherFragments);
-  scratch.counts.bind(0);
-  scratch.fragments.bind(1);
-  GlDexelContext::State::runOnLines(state_.programs().sort, lines);
+  sortFragments(lines);
 }
 
 void GlPeeler::peelLayers(const GlBand& band) {
@@ -182,7 +213,7 @@ void GlPeeler::peelLayers(const GlBand& band) {
   };
   // Before all fragments is the layer 0, all zeros: no finite number's order is so small.
   layerAt(0).fill(bytes, 0);
-  scratch.counts.fill((lines + 1) * sizeof(GLuint), 0);
+  scratch.counts.fill((lines + 2) * sizeof(GLuint), 0);
   std::size_t count = 0;
   for (;;) {
     layerAt(count + 1).fill(bytes, std::numeric_limits<GLuint>::max());
@@ -219,8 +250,8 @@ void GlPeeler::fill(GlBand& band, const GlBuffer& columns, const GlBuffer& rows)
   else
     gatherFragments(band);
   auto& scratch = state_.scratch();
-  const std::size_t lines = band.lines(), most = state_.countedOf(lines);
-  band.ends.reserve(most * kBytesPerEnd);
+  const std::size_t lines = band.lines();
+  band.ends.reserve(fragments_ * kBytesPerEnd);
   scratch.counts.bind(0);
   scratch.fragments.bind(1);
   scratch.normals.bind(2);
@@ -228,10 +259,19 @@ void GlPeeler::fill(GlBand& band, const GlBuffer& columns, const GlBuffer& rows)
   band.offsets.bind(4);
   scratch.groupSums.bind(5);
   band.ends.bind(6);
-  GlDexelContext::State::runOnLines(state_.programs().pairCount, lines);
+  // An item looks at each fragment once, and the loop over those at one depth ends once for each depth.
+  const bool isLong = 18 * longest_ > kMostRounds;
+  const auto run = [&](const GlProgram& program) {
+    if (isLong)
+      state_.runInParts(program, lines, longest_);
+    else
+      GlDexelContext::State::runOnLines(program, lines);
+  };
+  run(isLong ? state_.longLinePrograms().pairCount : state_.programs().pairCount);
   state_.scanGroups(lines);
-  GlDexelContext::State::runOnLines(state_.programs().pairWrite, lines);
-  band.most = most;
+  run(isLong ? state_.longLinePrograms().pairWrite : state_.programs().pairWrite);
+  band.most = fragments_;
+  band.longest = longest_;
 }
 
 }  // namespace restroke::points

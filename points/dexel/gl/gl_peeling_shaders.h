@@ -254,34 +254,10 @@ void main() {
 }
 )";
 
-/// Each line's fragments in ascending order, by D. Shell's sort (1959): short lists at the price of an
-/// insertion sort, and long ones need no memory.
-inline constexpr const char* kSortMain = R"(
-layout(std430, binding = 0) readonly buffer Offsets { uint offsets[]; };
-layout(std430, binding = 1) buffer Fragments { uvec2 fragments[]; };
-void main() {
-  uint line = gl_GlobalInvocationID.x;
-  if (line >= lineCount) return;
-  uint first = offsets[line], count = offsets[line + 1u] - first;
-  uint gap = 1u;
-  while (gap < count / 3u) gap = 3u * gap + 1u;
-  for (; gap > 0u; gap /= 3u)
-    for (uint i = gap; i < count; ++i) {
-      uvec2 moving = fragments[first + i];
-      uint place = i;
-      for (; place >= gap; place -= gap) {
-        uvec2 other = fragments[first + place - gap];
-        if (other.x < moving.x || (other.x == moving.x && other.y <= moving.y)) break;
-        fragments[first + place] = other;
-      }
-      fragments[first + place] = moving;
-    }
-}
-)";
-
 /// Entries and exits in turn. Of crossings at one depth an even number is none, and an odd one is one, of a
 /// triangle that faces as it should where there is such. Without its exit the last entry of a line is
-/// dropped, and the line marked as odd.
+/// dropped, and the line marked as odd. With PARTS an item stops after kMostWork fragments, to be gone on
+/// with.
 inline constexpr const char* kPairMain = R"(
 layout(std430, binding = 0) readonly buffer Offsets { uint offsets[]; };
 layout(std430, binding = 1) readonly buffer Fragments { uvec2 fragments[]; };
@@ -300,11 +276,38 @@ uvec4 endOf(uvec2 fragment, bool exits) {
 uint pairUp(uint line, uint base) {
   uint i = offsets[line], stop = offsets[line + 1u], crossings = 0u;
   uvec2 entry = uvec2(0u);
+#ifdef PARTS
+  uint work = 0u;
+  uvec4 stopped = uvec4(0u), run = uvec4(0u);  // where, crossings, how many are alike, whether one fits; run, entry
+  if (goesOn != 0u) {
+    stopped = states[2u * line];
+    run = states[2u * line + 1u];
+    i = stopped.x;
+    crossings = stopped.y;
+    entry = run.zw;
+  }
+#endif
   while (i < stop) {
     uvec2 chosen = fragments[i];
     uint alike = 0u, last = kNone;
     bool exits = (crossings & 1u) != 0u, fits = false;
+#ifdef PARTS
+    if (stopped.z != 0u) {
+      chosen = run.xy;
+      alike = stopped.z;
+      fits = stopped.w != 0u;
+      last = fragments[i - 1u].y;
+      stopped.z = 0u;
+    }
+#endif
     for (; i < stop && fragments[i].x == chosen.x; ++i) {
+#ifdef PARTS
+      if (work++ == kMostWork) {
+        states[2u * line] = uvec4(i, crossings, alike, uint(fits));
+        states[2u * line + 1u] = uvec4(chosen, entry);
+        return crossings & ~1u;
+      }
+#endif
       uint id = fragments[i].y;
       if (id == last) continue;
       last = id;
@@ -323,6 +326,9 @@ uint pairUp(uint line, uint base) {
 #endif
     ++crossings;
   }
+#ifdef PARTS
+  states[2u * line] = uvec4(stop, crossings, 0u, 0u);
+#endif
 #ifndef WRITES
   if ((crossings & 1u) != 0u) atomicOr(oddLines[line / 32u], 1u << (line % 32u));
 #endif
@@ -332,7 +338,7 @@ uint pairUp(uint line, uint base) {
 void main() {
   uint line = gl_GlobalInvocationID.x;
 #ifdef WRITES
-  if (line < lineCount) pairUp(line, takeOffset(line));
+  if (line < lineCount) pairUp(line, baseOf(line));
 #else
   storeCount(line < lineCount ? pairUp(line, 0u) : 0u);
 #endif

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "implicit/errors.h"
+#include "points/dexel/gl/gl_dexel_shaders.h"
 #include "points/dexel/gl/gl_dexel_state.h"
 
 namespace restroke::points {
@@ -25,6 +26,12 @@ static_assert(sizeof(SpanEnd) == kBytesPerEnd, "ends are handed to OpenGL as the
 // As the shader numbers them.
 GLuint numberOf(DexelOperation operation) {
   return operation == DexelOperation::Union ? 0 : operation == DexelOperation::Subtraction ? 1 : 2;
+}
+
+// Of lines with at most so many ends: do the loops stay short? Of a line's ends each is given out or skipped
+// once; of the tool's each pair goes round three loops, the last round of each included.
+bool combinesAtOnce(std::size_t ends, std::size_t toolEnds) {
+  return 17 * ends + 2 * toolEnds <= kMostRounds;
 }
 
 }  // namespace
@@ -68,6 +75,7 @@ void GlTriDexel::Implementation::clear(GlBand& band) {
   band.offsets.fill((band.lines() + 1) * sizeof(GLuint), 0);
   band.ends.reserve(0);
   band.most = 0;
+  band.longest = 0;
 }
 
 void GlTriDexel::Implementation::upload(const TriDexel& model) {
@@ -85,10 +93,12 @@ void GlTriDexel::Implementation::upload(const TriDexel& model) {
     const std::size_t first = dexels.lineAt(0, band.row);
     offsets.assign(1, 0);
     ends.clear();
+    band.longest = 0;
     for (std::size_t i = 0; i < band.lines(); ++i) {
       dexels.read(first + i, line);
       ends.insert(ends.end(), line.begin(), line.end());
       offsets.push_back(static_cast<GLuint>(ends.size()));
+      band.longest = std::max(band.longest, line.size());
     }
     band.offsets.write(offsets.data(), offsets.size() * sizeof offsets[0]);
     band.ends.write(ends.data(), ends.size() * kBytesPerEnd);
@@ -141,6 +151,14 @@ void GlTriDexel::Implementation::apply(const Implementation& tool, DexelOperatio
     scratch.ends.reserve(most * kBytesPerEnd);
     scratch.offsets.reserve((lines + 1) * sizeof(GLuint));
     scratch.groupSums.reserve(((lines + 255) / 256 + 1) * sizeof(GLuint));
+    std::size_t longest = band.longest, toolLongest = other.longest;
+    if (!combinesAtOnce(longest, toolLongest)) {
+      longest = state_->longestOf(band);
+      toolLongest = state_->longestOf(other);
+    }
+    const bool isLong = !combinesAtOnce(longest, toolLongest);
+    const GlProgram& count = isLong ? state_->longLinePrograms().combineCount : programs.combineCount;
+    const GlProgram& write = isLong ? state_->longLinePrograms().combineWrite : programs.combineWrite;
     band.offsets.bind(0);
     band.ends.bind(1);
     other.offsets.bind(2);
@@ -148,17 +166,24 @@ void GlTriDexel::Implementation::apply(const Implementation& tool, DexelOperatio
     scratch.offsets.bind(4);
     scratch.groupSums.bind(5);
     scratch.ends.bind(6);
-    for (const GlProgram* program : {&programs.combineCount, &programs.combineWrite}) {
+    for (const GlProgram* program : {&count, &write}) {
       program->use();
       glUniform1ui(program->at("operation"), numberOf(operation));
       glUniform1ui(program->at("operationId"), static_cast<GLuint>(id));
     }
-    GlDexelContext::State::runOnLines(programs.combineCount, lines);
+    const auto run = [&](const GlProgram& program) {
+      if (isLong)
+        state_->runInParts(program, lines, longest + toolLongest);
+      else
+        GlDexelContext::State::runOnLines(program, lines);
+    };
+    run(count);
     state_->scanGroups(lines);
-    GlDexelContext::State::runOnLines(programs.combineWrite, lines);
+    run(write);
     std::swap(band.offsets, scratch.offsets);
     std::swap(band.ends, scratch.ends);
     band.most = most;
+    band.longest = longest + toolLongest;
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   checkGlErrors("these dexels");
