@@ -286,7 +286,7 @@ std::vector<LossRow> measureLoss(const LossModel& model, const LossOptions& opti
       const Zone zone = zoneAt(box, part, places[place]);
       const auto lines = newLines(zone, {.resolution = options.fineLines});
       const Reference reference(
-          refine(document, history, zone, lines, {.method = RefineMethod::All}, execution));
+          points::refine({document, history}, {zone, lines}, {.method = RefineMethod::All}, execution));
       LossRow row{.sweep = model.sweep,
                   .value = model.sweep == LossSweep::Zoom ? part : model.value,
                   .history = model.history.name,
@@ -308,7 +308,8 @@ std::vector<LossRow> measureLoss(const LossModel& model, const LossOptions& opti
                   .recall = {},
                   .differences = {}};
       for (const RefineVariant& variant : refineVariants()) {
-        const RefinedModel refined = refine(document, history, zone, lines, variant.options, execution);
+        const RefinedModel refined =
+            points::refine({document, history}, {zone, lines}, variant.options, execution);
         row.method = variant.name;
         row.collected = refined.ids.size();
         row.recall = recallOf(reference, refined.ids);

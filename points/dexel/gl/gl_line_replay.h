@@ -11,7 +11,7 @@ namespace restroke::points {
 
 /// A LineReplayer in OpenGL: what `replay` (line_replay.h) gives, bit for bit, owners and normals included,
 /// where the driver's double + - * / and sqrt are those of IEEE 754, as they are on Mesa's software driver.
-/// (GLSL promises that only of + - and *.) On another driver what depends on the last bit of a double may
+/// (GLSL itself promises less.) On another driver what depends on the last bit of a double may
 /// differ: a depth by one step of float32, or by what a grazing ball makes of it, a normal by one step of
 /// packed_normal.h. Where a driver takes denormal float32 numbers for zero, depths below 1.2e-38 are 0.
 ///
@@ -22,7 +22,7 @@ namespace restroke::points {
 ///
 /// The work is cut into parts that the driver's limits allow. What 8 x 8 neighbouring lines meet must fit
 /// into one buffer, 16 bytes a step (128 MiB on Mesa's software driver, 16 MiB on any): InputError. Lines of
-/// more than 2,048 pieces are replayed by the CPU.
+/// more than 2,048 pieces, or that start from more than 1,024 ends, are replayed by the CPU.
 class GlLineReplay {
  public:
   /// No result depends on them.
@@ -38,9 +38,8 @@ class GlLineReplay {
 
   /// Throws InputError when the driver has not enough memory. From any thread; calls in one context wait for
   /// each other.
-  [[nodiscard]] Dexels operator()(const DexelHistory& history, std::span<const OperationId> ids,
-                                  const LinesInZone& lines, const Execution& execution = {},
-                                  const ReplayBasis& basis = {}) const;
+  [[nodiscard]] Dexels operator()(const ReplayInput& input, const LinesInZone& lines,
+                                  const Execution& execution = {}) const;
 
  private:
   GlDexelContext context_;
