@@ -21,8 +21,6 @@ using points::Zone;
 
 // So few that what is only carved is not all gone.
 constexpr double kFewDensity = 3;
-// Zones of thin features: each has but a few of them.
-constexpr int kThinPlaces = 8;
 
 RefineHistory named(RefineHistory history, std::string name) {
   history.name = std::move(name);
@@ -277,10 +275,9 @@ std::vector<LossRow> measureLoss(const LossModel& model, const LossOptions& opti
   const points::DexelHistory history(document, execution);
   const Box box = boundsOf(model.history);
   // Surface that no line has seen is not to be left out.
-  const std::vector<DVec3> places =
-      model.sweep == LossSweep::Thin
-          ? placesOfOperations(model.history, std::max(options.places, kThinPlaces), seed)
-          : placesOnSurface(document.model, options.places, seed);
+  const std::vector<DVec3> places = model.sweep == LossSweep::Thin
+                                        ? placesOfOperations(model.history, options.thinPlaces, seed)
+                                        : placesOnSurface(document.model, options.places, seed);
   std::size_t lineHistories = 0;
   for (int axis = 0; axis < 3; ++axis) lineHistories += document.model.family(axis).histories().bytes();
   std::vector<LossRow> rows;

@@ -253,7 +253,7 @@ std::string pictureSection(const RefinementImages& images) {
   if (html.empty()) return {};
   return "<h2>What is lost</h2>\n<p>A zone of each model on its new lines, and one plane of it cut through: "
          "the "
-         "zone of six and the plane where ends is most wrong. Red is missing, blue is too much.</p>\n" +
+         "zone of several, and its plane, where ends is most wrong. Red is missing, blue is too much.</p>\n" +
          html + "</div>\n";
 }
 
