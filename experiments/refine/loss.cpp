@@ -19,6 +19,8 @@ using points::RefinedModel;
 using points::RefineMethod;
 using points::Zone;
 
+// So few that what is only carved is not all gone.
+constexpr double kFewDensity = 3;
 // Zones of thin features: each has but a few of them.
 constexpr int kThinPlaces = 8;
 
@@ -148,8 +150,10 @@ class Plans {
            .resolution = options_.densityLines,
            .parts = {}},
           [=] {
-            return named(strewnBalls({.operations = operations, .additions = part, .seed = seed}),
-                         fmt::format("block-{}", operations));
+            return named(
+                strewnBalls(
+                    {.operations = operations, .density = kFewDensity, .additions = part, .seed = seed}),
+                fmt::format("block-{}", operations));
           });
   }
 
@@ -285,7 +289,7 @@ std::vector<LossRow> measureLoss(const LossModel& model, const LossOptions& opti
       const Zone zone = zoneAt(box, part, places[place]);
       const auto lines = newLines(zone, {.resolution = options.fineLines});
       const Reference reference(
-          refine(document, history, zone, lines, {.method = RefineMethod::All}, execution));
+          points::refine({document, history}, {zone, lines}, {.method = RefineMethod::All}, execution));
       LossRow row{.sweep = model.sweep,
                   .value = model.sweep == LossSweep::Zoom ? part : model.value,
                   .history = model.history.name,
@@ -307,7 +311,8 @@ std::vector<LossRow> measureLoss(const LossModel& model, const LossOptions& opti
                   .recall = {},
                   .differences = {}};
       for (const RefineVariant& variant : refineVariants()) {
-        const RefinedModel refined = refine(document, history, zone, lines, variant.options, execution);
+        const RefinedModel refined =
+            points::refine({document, history}, {zone, lines}, variant.options, execution);
         row.method = variant.name;
         row.collected = refined.ids.size();
         row.recall = recallOf(reference, refined.ids);

@@ -156,8 +156,8 @@ std::vector<LossPicture> drawLoss(const PictureCase& drawn, const PictureOptions
   const auto places = model.sweep == LossSweep::Thin ? placesOfOperations(model.history, kPlaces, seed)
                                                      : placesOnSurface(document.model, kPlaces, seed);
   const auto by = [&](const Zone& zone, RefineMethod method) {
-    return refine(document, history, zone, newLines(zone, {.resolution = options.fineLines}),
-                  {.method = method}, execution);
+    return points::refine({document, history}, {zone, newLines(zone, {.resolution = options.fineLines})},
+                          {.method = method}, execution);
   };
   std::optional<Zone> zone;
   double most = -1;

@@ -210,7 +210,7 @@ const char* explanationOf(LossSweep sweep) {
     case LossSweep::Density:
       return "Ever more balls of the same radii.";
     case LossSweep::Additions:
-      return "The same balls, of which a part adds and the others carve.";
+      return "The same balls, of which a part adds and the others carve; each point is covered by 3.";
     case LossSweep::Thin:
       return "Plates and rods five cells long and balls, carved into a block and added in a hollow: "
              "anywhere, "
