@@ -8,7 +8,7 @@ TEXT says how RESTROKE was built, for the table's head; `ctest -R determinism -V
 and Debian compares with the same state_hashes.txt, so all of them agree. What is in the shared folder is left out where that is absent.
 
 Shipped logs and shared stamp lists are replayed at every SIMD level that the processor has with 1, 2 and 8 threads; the stages of a
-figure and imported pen strokes with each of these once. Logs, stamp lists and two meshes also become tri-dexels. Each shipped log and stamp list is also made from its primitives all at
+figure and imported pen strokes with each of these once. Logs, stamp lists and two meshes also become tri-dexels, and logs and machined stocks are refined. Each shipped log and stamp list is also made from its primitives all at
 once, every sample evaluated anew, and each stamp list with a stroke of its own for every stamp: the same hash.
 """
 import argparse
