@@ -93,15 +93,19 @@ def tri_dexel(program, source, simd, threads):
                         simd, threads)
 
 
-def refined(program, source, simd, threads):
-    """A model of few lines, from a program of a tool path where one lies beside the source, as a camera's rays see it."""
-    with tempfile.TemporaryDirectory() as scratch:
-        model = os.path.join(scratch, "m.tridexel")
-        restroke(program, ["dexel", "build", source, "--resolution", "48", "--out", model], None, threads)
-        if source.endswith(".camotics"):
-            path = next(p for p in (source[:-9] + end for end in (".nc", ".gcode")) if os.path.isfile(p))
-            restroke(program, ["dexel", "apply", model, "--toolpath", path, "--tools", source, "--out", model], None, threads)
-        return restroke(program, ["dexel", "refine", model, "--zone", "frustum", "--size", "96x72", "--method", "ends"], simd, threads)
+def few_lines(program, source, threads, model):
+    """The path `model`, to which a model of few lines is written, and cut with the tool path that lies beside the source, if any."""
+    restroke(program, ["dexel", "build", source, "--resolution", "48", "--out", model], None, threads)
+    if source.endswith(".camotics"):
+        path = next(p for p in (source[:-9] + end for end in (".nc", ".gcode")) if os.path.isfile(p))
+        restroke(program, ["dexel", "apply", model, "--toolpath", path, "--tools", source, "--out", model], None, threads)
+    return model
+
+
+def refined(program, model, simd, threads):
+    """The model that few_lines is writing, as a camera's rays see it."""
+    return restroke(program, ["dexel", "refine", model.result(), "--zone", "frustum", "--size", "96x72", "--method", "ends"],
+                    simd, threads)
 
 
 def refined_sources(all_sources, shared_dir, once):
@@ -220,7 +224,10 @@ def main():
                    for source in all_sources for level, threads in source.variants(levels)}
         results.update({(source.name, level, threads): pool.submit(tri_dexel, options.program, source.log, level, threads)
                         for source in dexels for level, threads in source.variants(levels)})
-        results.update({(source.name, level, threads): pool.submit(refined, options.program, source.log, level, threads)
+        models = {(source.name, threads): pool.submit(few_lines, options.program, source.log, threads,
+                                                      os.path.join(scratch, "few-lines-%d-%d.tridexel" % (number, threads)))
+                  for number, source in enumerate(refinements) for threads in THREADS}
+        results.update({(source.name, level, threads): pool.submit(refined, options.program, models[source.name, threads], level, threads)
                         for source in refinements for level, threads in source.variants(levels)})
         dexels += refinements
         compare_variants(table, all_sources + dexels, levels, results)
