@@ -193,7 +193,7 @@ CLI::App* addDexelRefine(CLI::App& group, DexelRefineOptions& o) {
   c->add_option("--direction", o.direction, "x,y,z: one family of lines along it, in place of three");
   c->add_flag("--per-pixel", o.perPixel, "of a frustum: one line a pixel (also without --resolution)");
   c->add_option("--widen", o.widening,
-                "of ends: collect from so many of the model's cells around, default 1");
+                "of ends and touching: ask so many of the model's cells around, default 1");
   c->add_option("--view", o.view,
                 "front, back, left, right, top, bottom, three-quarter (default) or px,py,pz:vx,vy,vz");
   c->add_option("--size", o.size, "WxH in pixels, default 1280x960");

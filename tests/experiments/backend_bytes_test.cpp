@@ -60,10 +60,10 @@ TEST(ModelBytes, AreWhatTheAllocatorGaveOut) {
   expectCounts(before, model.bytes().total(), 0);
 }
 
-class BackendBytes : public testing::TestWithParam<BackendKind> {};
+class BackendBytes : public ::testing::TestWithParam<BackendKind> {};
 
 INSTANTIATE_TEST_SUITE_P(Shapes, BackendBytes,
-                         testing::Values(BackendKind::ListSnapshots, BackendKind::SurfelSnapshots,
+                         ::testing::Values(BackendKind::ListSnapshots, BackendKind::SurfelSnapshots,
                                          BackendKind::SurfelDeltas, BackendKind::SurfelDeltasZstd,
                                          BackendKind::DexelDeltas));
 

@@ -79,15 +79,15 @@ std::vector<OperationId> referencesIn(const TriDexel& model, const Zone& zone, E
   return found.ascending();
 }
 
-std::vector<OperationId> changesIn(const TriDexelDocument& document, const Zone& zone,
+std::vector<OperationId> changesIn(const TriDexelDocument& document, const AskedZone& zone,
                                    const DexelHistory& history) {
   IdSet found(history.idCount());
   std::vector<OperationId> changes;
-  forLinesThrough(document.model, zone.bounds(),
+  forLinesThrough(document.model, zone.asked.bounds(),
                   [&](int axis, const Dexels& dexels, std::size_t line, DVec3 p) {
                     DVec3 direction(0);
                     direction[axis] = 1;
-                    if (!zone.clip({p, direction})) return;
+                    if (!zone.asked.clip({p, direction})) return;
                     changes.clear();
                     dexels.changesOf(line, changes);
                     for (const OperationId id : changes) found.add(id);
@@ -95,7 +95,7 @@ std::vector<OperationId> changesIn(const TriDexelDocument& document, const Zone&
   std::vector<OperationId> members, out;
   for (const OperationId entry : found.ascending()) appendMembers(document, entry, members);
   for (const OperationId id : members)
-    if (zone.mayMeet(history.boundsOf(id))) out.push_back(id);
+    if (zone.wanted.mayMeet(history.boundsOf(id))) out.push_back(id);
   return out;
 }
 

@@ -21,10 +21,15 @@ enum class EndReferences : std::uint8_t {
 [[nodiscard]] std::vector<OperationId> referencesIn(const TriDexel& model, const Zone& zone,
                                                     EndReferences references, std::size_t ids);
 
+/// Where operations are wanted, and where lines are asked for them: the zone, or somewhat more.
+struct AskedZone {
+  const Zone& wanted;
+  const Zone& asked;
+};
 /// The operations that ever changed one of the model's lines that pass through the zone, and whose bounds
 /// meet it, ascending; of runs that histories name, the members that meet it. The document's model must keep
 /// the histories of its lines. O(entries of those lines).
-[[nodiscard]] std::vector<OperationId> changesIn(const TriDexelDocument& document, const Zone& zone,
+[[nodiscard]] std::vector<OperationId> changesIn(const TriDexelDocument& document, const AskedZone& zone,
                                                  const DexelHistory& history);
 
 }  // namespace restroke::points

@@ -126,16 +126,20 @@ class Refinement {
   }
 
  private:
+  // Where ends and lines are asked: what reaches into the zone by less than a cell may have none in it.
+  [[nodiscard]] Zone widened() const {
+    return zone_.widened(options_.widening * document_.model.grid().cell());
+  }
+
   [[nodiscard]] std::vector<OperationId> collect() const {
     const TriDexel& model = document_.model;
     switch (options_.method) {
       case RefineMethod::Document:
         return referencesIn(model, zone_, EndReferences::Trimming, history_.idCount());
       case RefineMethod::Ends:
-        return referencesIn(model, zone_.widened(options_.widening * model.grid().cell()),
-                            EndReferences::Both, history_.idCount());
+        return referencesIn(model, widened(), EndReferences::Both, history_.idCount());
       case RefineMethod::Touching: {
-        std::vector<OperationId> ids = changesIn(document_, zone_, history_);
+        std::vector<OperationId> ids = changesIn(document_, {zone_, widened()}, history_);
         if (ids.empty() || ids.front() != OperationId::Initial) ids.insert(ids.begin(), OperationId::Initial);
         return ids;
       }

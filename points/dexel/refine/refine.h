@@ -9,16 +9,16 @@
 //             O(operations) and then those that meet the zone.
 //   clusters  The same bits: the operations whose bounds meet the zone, from clusters that were made
 //             beforehand. O(what meets the zone).
-//   touching  Every operation that ever changed one of the model's lines through the zone, and meets the
-//             zone, is replayed on the initial solid. Wrong only within operations that lie between those
-//             lines, none of which any of the model's own lines has noticed. Needs a model that keeps its
-//             lines' histories (Dexels::Options::history).
+//   touching  Every operation that ever changed one of the model's lines through the zone (widened by a
+//             cell), and meets the zone, is replayed on the initial solid. Wrong only within operations that
+//             lie between those lines, none of which any of the model's own lines has noticed. Needs a model
+//             that keeps its lines' histories (Dexels::Options::history).
 //   ends      Replays the operations on both sides of each end in the zone (widened by a cell) from nothing,
 //             and then corrects what the model's cells know better: in a cell of its grid whose twelve edges
-//             are all inside the solid the line is inside, and where all are outside it is outside. Elsewhere
-//             nothing is promised: operations that no end in the zone refers to are missed, and what they
-//             would have changed is wrong, by no more than those cells through whose edges the surface
-//             passes. Time follows the ends in the zone, not the history.
+//             are all inside the solid the line is inside, and where all are outside it is outside. So a
+//             hollow or a grain within such a cell is lost. Elsewhere nothing is promised: operations that no
+//             end in the zone refers to are missed, and what they would have changed is wrong. Time follows
+//             the ends in the zone, not the history.
 //   document  As the document has it: the operation that last trimmed each end in the zone is replayed on an
 //             approximation: where these only take away, on an upper one (all cells that are not outside),
 //             so that the result contains the solid; where they only add, on a lower one (the cells that are
@@ -90,7 +90,8 @@ struct ZoneGrid {
 
 struct RefineOptions {
   RefineMethod method = RefineMethod::Ends;
-  /// Ends are collected from the zone widened by so many of the model's cells, >= 0 (Ends; 0 for Document).
+  /// Ends and lines are asked in the zone widened by so many of the model's cells, >= 0 (Ends, Touching; 0
+  /// for Document).
   double widening = 1;
   /// Ends: correct by the model's cells.
   bool corrected = true;
