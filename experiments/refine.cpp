@@ -22,7 +22,9 @@ void validate(const RefinementOptions& options) {
        {std::tuple{"new lines along the zone's side", loss.fineLines, 2, points::kMostLines},
         {"places", loss.places, 1, 1000},
         {"new lines along the zone's side", options.growth.fineLines, 2, points::kMostLines},
-        {"repetitions", options.growth.repeats, 1, 1000}})
+        {"repetitions", options.growth.repeats, 1, 1000},
+        {"places of thin features", loss.thinPlaces, 1, 1000},
+        {"places to be drawn", options.picturePlaces, 1, 1000}})
     if (value < least || value > most)
       throw InputError(fmt::format("{} {}; it must be {} to {}", value, what, least, most));
   if (loss.operations < kLeastGrowth || loss.operations > kMostGrowth)
@@ -60,6 +62,7 @@ RefinementOptions smokeSize(RefinementOptions options) {
   loss.additions = {0, 0.5, 1};
   loss.thinLines = 32;
   loss.thicknesses = {0.5, 2};
+  loss.thinPlaces = 3;
   GrowthOptions& growth = options.growth;
   growth.operations = {1000, 3000};
   growth.resolution = 48;
@@ -67,6 +70,7 @@ RefinementOptions smokeSize(RefinementOptions options) {
   growth.repeats = 3;
   growth.plainSeconds = 0.2;
   options.pictureSize = std::min(options.pictureSize, 160u);
+  options.picturePlaces = 2;
   options.smoke = true;
   return options;
 }
@@ -75,15 +79,17 @@ std::string describe(const RefinementOptions& options) {
   const LossOptions& l = options.loss;
   const GrowthOptions& g = options.growth;
   return fmt::format(
-      "resolutions={} operations={} fineLines={} places={} part={} parts={} features={} of {} densities={} "
+      "resolutions={} operations={} fineLines={} places={} and {} part={} parts={} features={} of {} "
+      "densities={} "
       "of "
       "radius {} at {} additions={} thicknesses={} of {} growth={} at {} fineLines={} part={} repeats={} "
-      "plain={} for {} histories={} picture={} seed={} smoke={}",
-      fmt::join(l.resolutions, ","), l.operations, l.fineLines, l.places, l.part, fmt::join(l.parts, ","),
-      fmt::join(l.features, ","), l.featureLines, fmt::join(l.densities, ","), l.densityRadius,
-      l.densityLines, fmt::join(l.additions, ","), fmt::join(l.thicknesses, ","), l.thinLines,
-      fmt::join(g.operations, ","), g.resolution, g.fineLines, g.part, g.repeats, g.plainMost, g.plainSeconds,
-      g.mostHistoryBytes, options.pictureSize, options.seed, options.smoke);
+      "plain={} for {} histories={} picture={} of {} seed={} smoke={}",
+      fmt::join(l.resolutions, ","), l.operations, l.fineLines, l.places, l.thinPlaces, l.part,
+      fmt::join(l.parts, ","), fmt::join(l.features, ","), l.featureLines, fmt::join(l.densities, ","),
+      l.densityRadius, l.densityLines, fmt::join(l.additions, ","), fmt::join(l.thicknesses, ","),
+      l.thinLines, fmt::join(g.operations, ","), g.resolution, g.fineLines, g.part, g.repeats, g.plainMost,
+      g.plainSeconds, g.mostHistoryBytes, options.pictureSize, options.picturePlaces, options.seed,
+      options.smoke);
 }
 
 std::vector<fs::path> defaultRefinementLogs(bool smoke) {
@@ -125,10 +131,12 @@ RefinementResults measureRefinement(const std::vector<fs::path>& logs, const Ref
   }
   for (const PictureCase& each : cases) {
     tell("picture of " + each.title);
-    for (LossPicture& picture : drawLoss(
-             each,
-             {.size = options.pictureSize, .fineLines = options.loss.fineLines, .part = options.loss.part},
-             options.seed, execution))
+    for (LossPicture& picture : drawLoss(each,
+                                         {.size = options.pictureSize,
+                                          .fineLines = options.loss.fineLines,
+                                          .part = options.loss.part,
+                                          .places = options.picturePlaces},
+                                         options.seed, execution))
       results.pictures.push_back(std::move(picture));
   }
   for (const Growth growth : kGrowths)

@@ -53,6 +53,7 @@ struct RefinementOptions {
   LossOptions loss;
   GrowthOptions growth;
   std::uint32_t pictureSize = 420;  ///< pixels along each side; 0: no pictures
+  int picturePlaces = 6;            ///< zones of which the worst is drawn
   std::uint64_t seed = 1;           ///< of histories and places
   bool smoke = false;
 };

@@ -30,14 +30,25 @@ heading() {
   end_step
   restroke_step="$1"
   restroke_step_started=$SECONDS
+  restroke_step_busy=$(processor_seconds)
   printf '\n== %s\n' "$1"
 }
 
+# end_step: closes the step with its time, and with that of the processors, which says more where others use the machine too.
 end_step() {
   if [[ -n "${restroke_step:-}" ]]; then
-    printf '   %s: %d s\n' "$restroke_step" "$((SECONDS - restroke_step_started))"
+    printf '   %s: %d s (%d s of processor time)\n' "$restroke_step" "$((SECONDS - restroke_step_started))" \
+      "$(($(processor_seconds) - restroke_step_busy))"
     restroke_step=""
   fi
+}
+
+# processor_seconds: what this script and all that it has waited for have used.
+processor_seconds() {
+  local stat fields
+  read -r stat </proc/$$/stat
+  read -ra fields <<<"${stat##*) }" # user, system, and the same of children: 14 to 17 in proc(5), and two stand before ")"
+  printf '%s\n' "$(((fields[11] + fields[12] + fields[13] + fields[14]) / $(getconf CLK_TCK)))"
 }
 
 # complain TEXT...: one sentence on standard error.

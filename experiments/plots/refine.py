@@ -78,7 +78,7 @@ def draw_loss(rows, sweep, prefix):
                 if whole == "sides":
                     if method == "ends-uncorrected":
                         continue  # collects what ends does
-                    points = pooled(own, method, part, whole)
+                    points = pooled(own, method, part, whole)  # a part of a hundred, down to none
                     highest = max([highest] + [y for _, y in points])
                 if points:
                     axes.plot(*zip(*points), line, color=colour, linewidth=1.6, marker="o", markersize=3.5, zorder=5, clip_on=False)

@@ -8,7 +8,6 @@
 
 #include "implicit/errors.h"
 #include "implicit/parallel.h"
-#include "retarget/methods/nearest_surfels.h"
 
 namespace restroke::experiments {
 namespace {
@@ -101,20 +100,34 @@ bool has(const LineEnds& ends, const SpanEnd& end, bool exit) {
 }
 
 /// Greatest distance from the places to the nearest surfel.
-std::optional<double> farthest(const std::vector<Surfel>& places, const std::vector<Surfel>& from,
+std::optional<double> farthest(const std::vector<Surfel>& places, const retarget::NearestSurfels& from,
                                const Execution& execution) {
-  if (from.empty()) return std::nullopt;
+  if (from.surfels().empty()) return std::nullopt;
   if (places.empty()) return 0;
-  const retarget::NearestSurfels tree(from);
   std::vector<double> distances(places.size());
   inArena(execution, [&] {
     tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
       const Point p = places[i].position;
-      distances[i] = length(DVec3(from[*tree.nearest(p)].position) - DVec3(p));
+      distances[i] = length(DVec3(from.surfels()[*from.nearest(p)].position) - DVec3(p));
     });
   });
   return *std::ranges::max_element(distances);
 }
+
+/// Those that a model has and another has not, line by line, within the zone; `all` gets all of the first.
+struct EndsAlone {
+  std::vector<Surfel> all, alone;
+  void add(const RefinedModel& model, std::size_t family, int column, int row, const LineEnds& ends,
+           const LineEnds& others) {
+    const points::LinesInZone& lines = model.families[family].lines;
+    const std::size_t line = model.families[family].dexels.lineAt(column, row);
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      if (isAtBorder(lines, line, ends[i].depth)) continue;
+      all.push_back(surfelAt(model, family, column, row, ends[i]));
+      if (!has(others, ends[i], i % 2 == 1)) alone.push_back(all.back());
+    }
+  }
+};
 
 }  // namespace
 
@@ -143,17 +156,19 @@ void findWrongStretches(std::span<const SpanEnd> reference, std::span<const Span
 
 Reference::Reference(RefinedModel model) : model_(std::move(model)) {
   std::vector<std::pair<OperationId, bool>> seen;  // and whether it made the end
-  forLines(model_, [&](std::size_t family, std::size_t line, int, int, const LineEnds& ends) {
+  std::vector<Surfel> surfels;
+  forLines(model_, [&](std::size_t family, std::size_t line, int column, int row, const LineEnds& ends) {
     for (std::size_t i = 0; i < ends.size(); ++i) {
       const double depth = static_cast<double>(ends[i].depth);
       length_ += i % 2 == 0 ? -depth : depth;
       if (isAtBorder(model_.families[family].lines, line, ends[i].depth)) continue;
-      ++ends_;
+      surfels.push_back(surfelAt(model_, family, column, row, ends[i]));
       const OperationId trimmer = trimmerOf(ends[i]), inner = ends[i].inner, outer = ends[i].outer;
       if (isOperation(inner)) seen.emplace_back(inner, inner == trimmer);
       if (isOperation(outer) && outer != inner) seen.emplace_back(outer, outer == trimmer);
     }
   });
+  surface_ = std::make_unique<const retarget::NearestSurfels>(std::move(surfels));
   std::ranges::sort(seen);
   for (const auto& [id, trims] : seen) {
     if (visible_.empty() || visible_.back().id != id) visible_.push_back({id, 0, 0});
@@ -184,28 +199,26 @@ Differences differencesOf(const Reference& reference, const RefinedModel& judged
   out.identical = reference.model().families.size() == judged.families.size();
   for (std::size_t k = 0; out.identical && k < judged.families.size(); ++k)
     out.identical = reference.model().families[k].dexels == judged.families[k].dexels;
+  if (out.identical) {
+    if (reference.ends() > 0) out.toJudged = out.toReference = 0;
+    return out;
+  }
   // Ends that both have are at no distance: only the others are looked up.
-  std::vector<Surfel> allOfReference, allOfJudged, lost, added;
+  EndsAlone lost, added;
   std::vector<WrongStretch> stretches;
-  forPairs(
-      reference.model(), judged,
-      [&](std::size_t family, std::size_t line, int column, int row, const LineEnds& a, const LineEnds& b) {
-        findWrongStretches(a, b, stretches);
-        for (const WrongStretch& s : stretches)
-          (s.extra ? out.extra : out.missing) += static_cast<double>(s.to) - static_cast<double>(s.from);
-        const auto collect = [&](const LineEnds& ends, const LineEnds& others, std::vector<Surfel>& all,
-                                 std::vector<Surfel>& alone) {
-          for (std::size_t i = 0; i < ends.size(); ++i) {
-            if (isAtBorder(reference.model().families[family].lines, line, ends[i].depth)) continue;
-            all.push_back(surfelAt(reference.model(), family, column, row, ends[i]));
-            if (!has(others, ends[i], i % 2 == 1)) alone.push_back(all.back());
-          }
-        };
-        collect(a, b, allOfReference, lost);
-        collect(b, a, allOfJudged, added);
-      });
-  out.toJudged = farthest(lost, allOfJudged, execution);
-  out.toReference = farthest(added, allOfReference, execution);
+  forPairs(reference.model(), judged,
+           [&](std::size_t family, std::size_t, int column, int row, const LineEnds& a, const LineEnds& b) {
+             findWrongStretches(a, b, stretches);
+             for (const WrongStretch& s : stretches)
+               (s.extra ? out.extra : out.missing) += static_cast<double>(s.to) - static_cast<double>(s.from);
+             lost.add(reference.model(), family, column, row, a, b);
+             added.add(judged, family, column, row, b, a);
+           });
+  if (!added.all.empty())
+    out.toJudged = lost.alone.empty()
+                       ? 0
+                       : farthest(lost.alone, retarget::NearestSurfels(std::move(added.all)), execution);
+  out.toReference = farthest(added.alone, reference.surface(), execution);
   return out;
 }
 

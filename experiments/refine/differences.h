@@ -1,14 +1,15 @@
 #pragma once
 // How far a refined model is from another on the same lines: what refinement has lost.
 
-#include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "points/dexel/refine/refine.h"
 #include "points/surfel.h"
+#include "retarget/methods/nearest_surfels.h"
 
 namespace restroke::experiments {
 
@@ -41,13 +42,15 @@ class Reference {
   /// Ascending by id.
   [[nodiscard]] const std::vector<VisibleOperation>& visible() const { return visible_; }
   /// Ends within the zone.
-  [[nodiscard]] std::size_t ends() const { return ends_; }
+  [[nodiscard]] std::size_t ends() const { return surface_->surfels().size(); }
+  /// Those ends, by line.
+  [[nodiscard]] const retarget::NearestSurfels& surface() const { return *surface_; }
 
  private:
   points::RefinedModel model_;
   double length_ = 0;
   std::vector<VisibleOperation> visible_;
-  std::size_t ends_ = 0;
+  std::unique_ptr<const retarget::NearestSurfels> surface_;
 };
 
 struct Recall {

@@ -64,7 +64,7 @@ class Size {
     const points::Zone zone = zoneAt(unitCube(), options_.part, kMiddle);
     const auto lines = newLines(zone, {.resolution = options_.fineLines});
     const Reference reference(
-        refine(document_, *history_, zone, lines, {.method = RefineMethod::All}, execution_));
+        points::refine({document_, *history_}, {zone, lines}, {.method = RefineMethod::All}, execution_));
     model_.ids = reference.model().ids.size();
     model_.endsInZone = reference.ends();
     repeat(zone, reference);
@@ -153,23 +153,24 @@ class Size {
         if (scale == 1)
           judge(rows_[k], method, reference, refined);
         else
-          judge(
-              rows_[k], method,
-              Reference(refine(document_, *history_, zone, lines, {.method = RefineMethod::All}, execution_)),
-              refined);
+          judge(rows_[k], method,
+                Reference(points::refine({document_, *history_}, {zone, lines}, {.method = RefineMethod::All},
+                                         execution_)),
+                refined);
       }
   }
 
   [[nodiscard]] RefinedModel refineBy(const TimedMethod& method, const points::Zone& zone,
                                       const std::vector<points::LineFamily>& lines) const {
-    if (!method.byBounds) return refine(document_, *history_, zone, lines, method.options, execution_);
+    if (!method.byBounds)
+      return points::refine({document_, *history_}, {zone, lines}, method.options, execution_);
     RefinedModel out;
     out.times.collect = secondsOf([&] { out.ids = history_->idsByBounds(zone); });
     out.times.replay = secondsOf([&] {
       for (const points::LineFamily& family : lines) {
         points::RefinedFamily refined;
         refined.lines = linesInZone(family, zone, execution_);
-        refined.dexels = replayPlainly(*history_, out.ids, refined.lines, execution_);
+        refined.dexels = replayPlainly({*history_, out.ids}, refined.lines, execution_);
         out.families.push_back(std::move(refined));
       }
     });

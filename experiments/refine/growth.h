@@ -28,7 +28,7 @@ struct GrowthOptions {
   /// It is repeated no more often than this many seconds allow, but done once.
   double plainSeconds = 3;
   /// Models whose lines' histories (R2b) would take more are not made: bytes.
-  double mostHistoryBytes = 1.5e9;
+  double mostHistoryBytes = 8e8;
 };
 
 /// 1000, 3000, 10,000, ... up to a number of at least 1000, which is the last one.

@@ -19,8 +19,8 @@ using points::RefinedModel;
 using points::RefineMethod;
 using points::Zone;
 
-// Zones of thin features: each has but a few of them.
-constexpr int kThinPlaces = 8;
+// So few that what is only carved is not all gone.
+constexpr double kFewDensity = 3;
 
 RefineHistory named(RefineHistory history, std::string name) {
   history.name = std::move(name);
@@ -148,8 +148,10 @@ class Plans {
            .resolution = options_.densityLines,
            .parts = {}},
           [=] {
-            return named(strewnBalls({.operations = operations, .additions = part, .seed = seed}),
-                         fmt::format("block-{}", operations));
+            return named(
+                strewnBalls(
+                    {.operations = operations, .density = kFewDensity, .additions = part, .seed = seed}),
+                fmt::format("block-{}", operations));
           });
   }
 
@@ -273,10 +275,9 @@ std::vector<LossRow> measureLoss(const LossModel& model, const LossOptions& opti
   const points::DexelHistory history(document, execution);
   const Box box = boundsOf(model.history);
   // Surface that no line has seen is not to be left out.
-  const std::vector<DVec3> places =
-      model.sweep == LossSweep::Thin
-          ? placesOfOperations(model.history, std::max(options.places, kThinPlaces), seed)
-          : placesOnSurface(document.model, options.places, seed);
+  const std::vector<DVec3> places = model.sweep == LossSweep::Thin
+                                        ? placesOfOperations(model.history, options.thinPlaces, seed)
+                                        : placesOnSurface(document.model, options.places, seed);
   std::size_t lineHistories = 0;
   for (int axis = 0; axis < 3; ++axis) lineHistories += document.model.family(axis).histories().bytes();
   std::vector<LossRow> rows;
@@ -285,7 +286,7 @@ std::vector<LossRow> measureLoss(const LossModel& model, const LossOptions& opti
       const Zone zone = zoneAt(box, part, places[place]);
       const auto lines = newLines(zone, {.resolution = options.fineLines});
       const Reference reference(
-          refine(document, history, zone, lines, {.method = RefineMethod::All}, execution));
+          points::refine({document, history}, {zone, lines}, {.method = RefineMethod::All}, execution));
       LossRow row{.sweep = model.sweep,
                   .value = model.sweep == LossSweep::Zoom ? part : model.value,
                   .history = model.history.name,
@@ -307,7 +308,8 @@ std::vector<LossRow> measureLoss(const LossModel& model, const LossOptions& opti
                   .recall = {},
                   .differences = {}};
       for (const RefineVariant& variant : refineVariants()) {
-        const RefinedModel refined = refine(document, history, zone, lines, variant.options, execution);
+        const RefinedModel refined =
+            points::refine({document, history}, {zone, lines}, variant.options, execution);
         row.method = variant.name;
         row.collected = refined.ids.size();
         row.recall = recallOf(reference, refined.ids);

@@ -56,6 +56,7 @@ struct LossOptions {
   std::vector<double> densities{0.5, 1, 2, 4, 8, 16, 32};
   std::vector<double> additions{0, 0.25, 0.5, 0.75, 1};
   int thinLines = 64;
+  int thinPlaces = 8;  ///< zones, as each has but a few features
   std::vector<double> thicknesses{0.125, 0.25, 0.5, 1, 2};
 };
 

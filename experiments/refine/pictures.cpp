@@ -152,12 +152,11 @@ std::vector<LossPicture> drawLoss(const PictureCase& drawn, const PictureOptions
   const points::TriDexelDocument document =
       documentOf(model.history, model.resolution, Kept::Histories, execution);
   const points::DexelHistory history(document, execution);
-  constexpr int kPlaces = 6;
-  const auto places = model.sweep == LossSweep::Thin ? placesOfOperations(model.history, kPlaces, seed)
-                                                     : placesOnSurface(document.model, kPlaces, seed);
+  const auto places = model.sweep == LossSweep::Thin ? placesOfOperations(model.history, options.places, seed)
+                                                     : placesOnSurface(document.model, options.places, seed);
   const auto by = [&](const Zone& zone, RefineMethod method) {
-    return refine(document, history, zone, newLines(zone, {.resolution = options.fineLines}),
-                  {.method = method}, execution);
+    return points::refine({document, history}, {zone, newLines(zone, {.resolution = options.fineLines})},
+                          {.method = method}, execution);
   };
   std::optional<Zone> zone;
   double most = -1;

@@ -14,6 +14,7 @@ struct PictureOptions {
   std::uint32_t size = 420;  ///< pixels along each side, > 0
   int fineLines = 128;       ///< as LossOptions has it
   double part = 0.01;        ///< the zone's part of the volume of the model's bounds
+  int places = 6;            ///< that are tried, > 0
 };
 
 /// A zone of a model, by one method: in space, and cut through. Red is missing, blue is too much.
@@ -29,7 +30,7 @@ struct LossPicture {
   points::DisplayImage slice;
 };
 
-/// A model that is drawn, and the place of its zone: the one of its rows where `ends` is most wrong.
+/// A model that is drawn.
 struct PictureCase {
   std::string title, slug;
   LossModel model;
@@ -37,7 +38,8 @@ struct PictureCase {
 /// Dense adds and carves on coarse lines, milling, and rods between the lines.
 [[nodiscard]] std::vector<PictureCase> pictureCases(const LossOptions& options, std::uint64_t seed);
 
-/// The reference, document, ends and touching. `seed`: of the places, as measureLoss has it.
+/// The reference, document, ends and touching, of the zone of several where `ends` is most wrong. `seed`: of
+/// the places, as measureLoss has it.
 [[nodiscard]] std::vector<LossPicture> drawLoss(const PictureCase& drawn, const PictureOptions& options,
                                                 std::uint64_t seed, const Execution& execution = {});
 

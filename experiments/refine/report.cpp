@@ -210,7 +210,7 @@ const char* explanationOf(LossSweep sweep) {
     case LossSweep::Density:
       return "Ever more balls of the same radii.";
     case LossSweep::Additions:
-      return "The same balls, of which a part adds and the others carve.";
+      return "The same balls, of which a part adds and the others carve; each point is covered by 3.";
     case LossSweep::Thin:
       return "Plates and rods five cells long and balls, carved into a block and added in a hollow: "
              "anywhere, "
@@ -253,7 +253,7 @@ std::string pictureSection(const RefinementImages& images) {
   if (html.empty()) return {};
   return "<h2>What is lost</h2>\n<p>A zone of each model on its new lines, and one plane of it cut through: "
          "the "
-         "zone of six and the plane where ends is most wrong. Red is missing, blue is too much.</p>\n" +
+         "zone of several, and its plane, where ends is most wrong. Red is missing, blue is too much.</p>\n" +
          html + "</div>\n";
 }
 

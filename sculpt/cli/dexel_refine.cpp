@@ -239,8 +239,8 @@ int runDexelRefine(const DexelRefineOptions& options) {
   const double opened = secondsSince(opening);
   const std::vector<points::LineFamily> lines = newLines(request.zone, request.lines);
   RefinedModel refined = named(options.model, [&] {
-    return refine(document, history, request.zone, lines, {.method = method, .widening = options.widening},
-                  execution);
+    return points::refine({document, history}, {request.zone, lines},
+                          {.method = method, .widening = options.widening}, execution);
   });
 
   std::size_t inZone = 0, ends = 0;

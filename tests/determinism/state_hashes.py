@@ -8,7 +8,7 @@ TEXT says how RESTROKE was built, for the table's head; `ctest -R determinism -V
 and Debian compares with the same state_hashes.txt, so all of them agree. What is in the shared folder is left out where that is absent.
 
 Shipped logs and shared stamp lists are replayed at every SIMD level that the processor has with 1, 2 and 8 threads; the stages of a
-figure and imported pen strokes with each of these once. Logs, stamp lists and two meshes also become tri-dexels. Each shipped log and stamp list is also made from its primitives all at
+figure and imported pen strokes with each of these once. Logs, stamp lists and two meshes also become tri-dexels, and logs and machined stocks are refined. Each shipped log and stamp list is also made from its primitives all at
 once, every sample evaluated anew, and each stamp list with a stroke of its own for every stamp: the same hash.
 """
 import argparse
@@ -93,15 +93,19 @@ def tri_dexel(program, source, simd, threads):
                         simd, threads)
 
 
-def refined(program, source, simd, threads):
-    """A model of few lines, from a program of a tool path where one lies beside the source, as a camera's rays see it."""
-    with tempfile.TemporaryDirectory() as scratch:
-        model = os.path.join(scratch, "m.tridexel")
-        restroke(program, ["dexel", "build", source, "--resolution", "48", "--out", model], None, threads)
-        if source.endswith(".camotics"):
-            path = next(p for p in (source[:-9] + end for end in (".nc", ".gcode")) if os.path.isfile(p))
-            restroke(program, ["dexel", "apply", model, "--toolpath", path, "--tools", source, "--out", model], None, threads)
-        return restroke(program, ["dexel", "refine", model, "--zone", "frustum", "--size", "96x72", "--method", "ends"], simd, threads)
+def few_lines(program, source, threads, model):
+    """The path `model`, to which a model of few lines is written, and cut with the tool path that lies beside the source, if any."""
+    restroke(program, ["dexel", "build", source, "--resolution", "48", "--out", model], None, threads)
+    if source.endswith(".camotics"):
+        path = next(p for p in (source[:-9] + end for end in (".nc", ".gcode")) if os.path.isfile(p))
+        restroke(program, ["dexel", "apply", model, "--toolpath", path, "--tools", source, "--out", model], None, threads)
+    return model
+
+
+def refined(program, model, simd, threads):
+    """The model that few_lines is writing, as a camera's rays see it."""
+    return restroke(program, ["dexel", "refine", model.result(), "--zone", "frustum", "--size", "96x72", "--method", "ends"],
+                    simd, threads)
 
 
 def refined_sources(all_sources, shared_dir, once):
@@ -213,14 +217,17 @@ def main():
         print("built by %s; the processor has %s" % (options.built, ", ".join(levels)))
         ways = [way for source in all_sources if source.full for way in ways_of(source, pool, options.program, scratch)]
         dexels = dexel_sources(all_sources, options.shared_dir, options.once)
+        refinements = refined_sources(all_sources, options.shared_dir, options.once)
         for source in all_sources:
             source.full = source.full and not options.once
         results = {(source.name, level, threads): pool.submit(replay, options.program, source.log, level, threads)
                    for source in all_sources for level, threads in source.variants(levels)}
         results.update({(source.name, level, threads): pool.submit(tri_dexel, options.program, source.log, level, threads)
                         for source in dexels for level, threads in source.variants(levels)})
-        refinements = refined_sources(all_sources, options.shared_dir, options.once)
-        results.update({(source.name, level, threads): pool.submit(refined, options.program, source.log, level, threads)
+        models = {(source.name, threads): pool.submit(few_lines, options.program, source.log, threads,
+                                                      os.path.join(scratch, "few-lines-%d-%d.tridexel" % (number, threads)))
+                  for number, source in enumerate(refinements) for threads in THREADS}
+        results.update({(source.name, level, threads): pool.submit(refined, options.program, models[source.name, threads], level, threads)
                         for source in refinements for level, threads in source.variants(levels)})
         dexels += refinements
         compare_variants(table, all_sources + dexels, levels, results)

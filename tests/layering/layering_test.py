@@ -46,8 +46,8 @@ class Layering(unittest.TestCase):
         self.assert_one_offence("implicit/side.cpp:3", "stands to the right of implicit/")
 
     def test_an_include_to_the_right_is_caught_in_a_nested_folder_and_however_it_is_spaced(self):
-        self.plant("retarget/methods/depth.h", '  #  include   "sculpt/cli/main.cpp"\n')
-        self.assert_one_offence("retarget/methods/depth.h:1", "stands to the right of retarget/")
+        self.plant("retarget/methods/depth.cpp", '  #  include   "sculpt/cli/main.cpp"\n')
+        self.assert_one_offence("retarget/methods/depth.cpp:1", "stands to the right of retarget/")
 
     def test_tests_are_included_by_tests_only(self):
         self.plant("tests/points/shapes.h", "#pragma once\n")
@@ -61,16 +61,16 @@ class Layering(unittest.TestCase):
         self.assert_one_offence("points/other.cpp:1", "not given from the root")
 
     def test_an_include_that_climbs_out_of_its_folder_is_caught(self):
-        self.plant("implicit/side.cpp", '#include "../points/surfel.h"\n')
-        self.assert_one_offence("implicit/side.cpp:1", "not given from the root")
+        self.plant("implicit/other.cpp", '#include "../points/surfel.h"\n')
+        self.assert_one_offence("implicit/other.cpp:1", "not given from the root")
 
     def test_an_include_that_leaves_its_folder_and_enters_another_is_caught(self):
-        self.plant("implicit/side.cpp", '#include "implicit/../points/surfel.h"\n')
-        self.assert_one_offence("implicit/side.cpp:1", "not given from the root")
+        self.plant("implicit/other.cpp", '#include "implicit/../points/surfel.h"\n')
+        self.assert_one_offence("implicit/other.cpp:1", "not given from the root")
 
     def test_ours_in_angle_brackets_is_caught(self):
-        self.plant("implicit/side.cpp", "#include <points/surfel.h>\n")
-        self.assert_one_offence("implicit/side.cpp:1", "include it with quotes")
+        self.plant("implicit/other.cpp", "#include <points/surfel.h>\n")
+        self.assert_one_offence("implicit/other.cpp:1", "include it with quotes")
 
     def test_an_include_of_nothing_is_caught(self):
         self.plant("points/other.cpp", '#include "implicit/gone.h"\n')
@@ -83,8 +83,26 @@ class Layering(unittest.TestCase):
         self.assert_one_offence("sculpt/document.cpp:1", "not given from the root")
 
     def test_a_commented_include_is_none(self):
-        self.plant("implicit/side.cpp", '// #include "points/surfel.h"\n')
+        self.plant("implicit/other.cpp", '// #include "points/surfel.h"\n')
         self.assertEqual(layering.offences(self.root), [])
+
+    def test_a_source_that_includes_its_own_header_late_or_never_is_caught(self):
+        self.plant("implicit/side.cpp", '// Why.\n\n#include <vector>\n\n#include "implicit/side.h"\n')
+        self.assert_one_offence("implicit/side.cpp:3", '"implicit/side.h", its own header')
+        self.plant("implicit/side.cpp", '#define SIDE 1\n#include "implicit/side.h"\n')
+        self.assert_one_offence("implicit/side.cpp:1", '"implicit/side.h", its own header')
+        self.plant("implicit/side.cpp", "int side = 1;\n")
+        self.assert_one_offence("implicit/side.cpp:1", '"implicit/side.h", its own header')
+        self.plant("implicit/side.cpp", '// Why.\n\n#include "implicit/side.h"\n\n#include <vector>\n')
+        self.assertEqual(layering.offences(self.root), [])
+
+    def test_a_header_that_can_be_included_twice_is_caught(self):
+        self.plant("implicit/other.h", "// Why.\n#pragma once\n")
+        self.assertEqual(layering.offences(self.root), [])
+        self.plant("implicit/other.h", "// Why.\n#include <vector>\n#pragma once\n")
+        self.assert_one_offence("implicit/other.h:2", "#pragma once")
+        self.plant("implicit/other.h", "// Why.\n")
+        self.assert_one_offence("implicit/other.h:1", "#pragma once")
 
     def test_bad_usage_is_told_from_offences(self):
         self.assertEqual(self.exit_code(), 2)

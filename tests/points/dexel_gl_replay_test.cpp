@@ -174,8 +174,8 @@ std::size_t expectSameAsOnCpu(const GlLineReplay& onCard, const DexelHistory& hi
     for (const LineFamily& family : given.families) {
       SCOPED_TRACE(given.name);
       const LinesInZone lines = linesInZone(family, given.zone);
-      const Dexels cpu = replay(history, ids, lines);
-      expectSameBits(onCard(history, ids, lines), cpu);
+      const Dexels cpu = replay({history, ids}, lines);
+      expectSameBits(onCard({history, ids}, lines), cpu);
       ends += cpu.endCount();
     }
   return ends;
@@ -228,11 +228,11 @@ TEST_F(GlLineReplays, OfNothingAreEmpty) {
   const Zone zone{kUnitBall};
   const GlLineReplay onCard(gl());
   for (const LineFamily& family : newLines(zone, {.resolution = 9})) {
-    const Dexels dexels = onCard(history, allOf(history), linesInZone(family, zone));
+    const Dexels dexels = onCard({history, allOf(history)}, linesInZone(family, zone));
     EXPECT_EQ(dexels.lineCount(), 81u);
     EXPECT_EQ(dexels.endCount(), 0u);
     EXPECT_TRUE(dexels.keepsOperations());
-    EXPECT_EQ(onCard(history, {}, linesInZone(family, zone)), dexels);
+    EXPECT_EQ(onCard({history, {}}, linesInZone(family, zone)), dexels);
   }
 }
 
@@ -244,10 +244,10 @@ TEST_F(GlLineReplays, WhereNoLineMeetsTheZoneAreEmpty) {
   for (const LineFamily& family : newLines(near, {.resolution = 9})) {
     const LinesInZone lines = linesInZone(family, far);
     ASSERT_EQ(lines.count(), 0u);
-    EXPECT_EQ(GlLineReplay(gl())(history, allOf(history), lines).endCount(), 0u);
+    EXPECT_EQ(GlLineReplay(gl())({history, allOf(history)}, lines).endCount(), 0u);
   }
   const LinesInZone none{.family = {}, .from = {}, .to = {}};
-  EXPECT_EQ(GlLineReplay(gl())(history, allOf(history), none).lineCount(), 0u);
+  EXPECT_EQ(GlLineReplay(gl())({history, allOf(history)}, none).lineCount(), 0u);
 }
 
 // Concentric shells, the last one the smallest: every line through the middle has all of them.
@@ -268,8 +268,8 @@ std::size_t expectSameShells(const GlLineReplay& onCard, int count, int resoluti
   std::size_t most = 0;
   for (const LineFamily& family : newLines(zone, {.resolution = resolution, .direction = DVec3(1, 2, 3)})) {
     const LinesInZone lines = linesInZone(family, zone);
-    const Dexels cpu = replay(history, allOf(history), lines);
-    expectSameBits(onCard(history, allOf(history), lines), cpu);
+    const Dexels cpu = replay({history, allOf(history)}, lines);
+    expectSameBits(onCard({history, allOf(history)}, lines), cpu);
     for (std::size_t line = 0; line < cpu.lineCount(); ++line) most = std::max(most, cpu.endCount(line));
   }
   return most;
@@ -303,9 +303,9 @@ TEST_F(GlLineReplays, StartFromThousandsOfEnds) {
   const TriDexelDocument document = denseBalls(random, 20);
   const DexelHistory history(document);
   const std::vector<OperationId> ids = {OperationId{3}, OperationId{7}, OperationId{8}};
-  const Dexels cpu = replay(history, ids, lines, {}, {.start = &start});
+  const Dexels cpu = replay({history, ids, {.start = &start}}, lines);
   EXPECT_GT(cpu.endCount(), 5000u);
-  expectSameBits(GlLineReplay(gl())(history, ids, lines, {}, {.start = &start}), cpu);
+  expectSameBits(GlLineReplay(gl())({history, ids, {.start = &start}}, lines), cpu);
 }
 
 // One solid that meets a line hundreds of times: what a work item does at a time ends within it.
@@ -325,8 +325,8 @@ TEST_F(GlLineReplays, GoThroughHundredsOfWalls) {
   const Zone zone{Sphere{Point(0), 1.1f}};
   for (const LineFamily& family : newLines(zone, {.resolution = 5, .direction = DVec3(0.1, 0.2, 1)})) {
     const LinesInZone lines = linesInZone(family, zone);
-    const Dexels cpu = replay(history, allOf(history), lines);
-    expectSameBits(GlLineReplay(gl())(history, allOf(history), lines), cpu);
+    const Dexels cpu = replay({history, allOf(history)}, lines);
+    expectSameBits(GlLineReplay(gl())({history, allOf(history)}, lines), cpu);
     EXPECT_GT(cpu.endCount(), 10 * static_cast<std::size_t>(walls));
   }
 }
@@ -369,13 +369,13 @@ TEST_F(GlLineReplays, KnowWhatCellsKnow) {
       SCOPED_TRACE(given.name);
       const LinesInZone lines = linesInZone(family, given.zone);
       for (const std::size_t room : {2, 16}) {
-        const Dexels cpu = replay(history, allOf(history), lines, {}, {.known = &cells});
+        const Dexels cpu = replay({history, allOf(history), {.known = &cells}}, lines);
         expectSameBits(
-            GlLineReplay(gl(), Options{.room = room})(history, allOf(history), lines, {}, {.known = &cells}),
+            GlLineReplay(gl(), Options{.room = room})({history, allOf(history), {.known = &cells}}, lines),
             cpu);
         EXPECT_GT(cpu.endCount(), 100u);
-        expectSameBits(GlLineReplay(gl())(history, {}, lines, {}, {.known = &cells}),
-                       replay(history, {}, lines, {}, {.known = &cells}));
+        expectSameBits(GlLineReplay(gl())({history, {}, {.known = &cells}}, lines),
+                       replay({history, {}, {.known = &cells}}, lines));
       }
     }
   }
@@ -390,14 +390,14 @@ TEST_F(GlLineReplays, StartFromOtherDexels) {
     for (const LineFamily& family : given.families) {
       SCOPED_TRACE(given.name);
       const LinesInZone lines = linesInZone(family, given.zone);
-      const Dexels start = replay(otherHistory, allOf(otherHistory), lines);
+      const Dexels start = replay({otherHistory, allOf(otherHistory)}, lines);
       // Without the initial solid, or it would hide what was there.
       const std::span<const OperationId> some = std::span(ids).subspan(1);
-      const Dexels cpu = replay(history, some, lines, {}, {.start = &start});
-      expectSameBits(GlLineReplay(gl())(history, some, lines, {}, {.start = &start}), cpu);
+      const Dexels cpu = replay({history, some, {.start = &start}}, lines);
+      expectSameBits(GlLineReplay(gl())({history, some, {.start = &start}}, lines), cpu);
       EXPECT_GT(cpu.endCount(), 100u);
-      expectSameBits(GlLineReplay(gl())(history, {}, lines, {}, {.start = &start}),
-                     replay(history, {}, lines, {}, {.start = &start}));
+      expectSameBits(GlLineReplay(gl())({history, {}, {.start = &start}}, lines),
+                     replay({history, {}, {.start = &start}}, lines));
     }
 }
 
@@ -412,9 +412,9 @@ TEST_F(GlLineReplays, RefineAsTheCpuDoes) {
   const std::vector<LineFamily> families = newLines(zone, {.resolution = kSanitized ? 9 : 30});
   for (const RefineMethod method : {RefineMethod::Document, RefineMethod::Ends, RefineMethod::Clusters}) {
     SCOPED_TRACE(nameOf(method));
-    const RefinedModel cpu = refine(document, history, zone, families, {.method = method}),
-                       card = refine(document, history, zone, families, {.method = method}, {},
-                                     GlLineReplay(gl()));
+    const RefinedModel cpu = refine({document, history}, {zone, families}, {.method = method}),
+                       card = refine({document, history}, {zone, families},
+                                     {.method = method, .replayer = GlLineReplay(gl())});
     EXPECT_EQ(card.ids, cpu.ids);
     ASSERT_EQ(card.families.size(), cpu.families.size());
     for (std::size_t i = 0; i < cpu.families.size(); ++i) {

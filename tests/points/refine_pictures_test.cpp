@@ -30,7 +30,8 @@ struct Hollowed {
   [[nodiscard]] Dexels rays(int across, Camera seen) const {
     const DexelHistory history(document);
     const Zone zone(withRays(seen, across));
-    return refine(document, history, zone, newLines(zone, {.perPixel = true}), {.method = RefineMethod::All})
+    return refine({document, history}, {zone, newLines(zone, {.perPixel = true})},
+                  {.method = RefineMethod::All})
         .families[0]
         .dexels;
   }
@@ -102,7 +103,7 @@ TEST(RefinedSurfels, LieOnTheSurfaceAndFaceOutOfIt) {
   const DexelHistory history(made.document);
   std::size_t onBall = 0;
   for (const Zone& zone : testing::someZones()) {
-    const RefinedModel refined = refine(made.document, history, zone, newLines(zone, {.resolution = 30}));
+    const RefinedModel refined = refine({made.document, history}, {zone, newLines(zone, {.resolution = 30})});
     const std::vector<Surfel> surfels = surfelsOf(refined);
     std::size_t ends = 0;
     for (const RefinedFamily& family : refined.families) ends += family.dexels.endCount();

@@ -134,7 +134,7 @@ TEST(LineReplay, R6IsTheLastOperationThatDecidesOnLinesInAnyDirection) {
   for (const Zone& zone : someZones())
     for (const LineFamily& family : newLines(zone, {.resolution = kSanitized ? 8 : 24})) {
       const LinesInZone lines = linesInZone(family, zone);
-      const Dexels dexels = replay(history, ids, lines);
+      const Dexels dexels = replay({history, ids}, lines);
       LineEnds ends;
       for (int row = 0; row < family.height; ++row)
         for (int column = 0; column < family.width; ++column) {
@@ -171,12 +171,12 @@ TEST(LineReplay, R6IsTheSameAsWhenEachLineAsksEachOperationAtAnySimdLevelAndThre
     for (const Zone& zone : someZones())
       for (const LineFamily& family : newLines(zone, {.resolution = kSanitized ? 10 : 48})) {
         const LinesInZone lines = linesInZone(family, zone);
-        const Dexels expected = replayPlainly(history, ids, lines, {.threads = 2});
+        const Dexels expected = replayPlainly({history, ids}, lines, {.threads = 2});
         const implicit::SimdLevel before = implicit::simdLevel();
         for (const implicit::SimdLevel level : implicit::supportedSimdLevels()) {
           implicit::useSimdLevel(level);
           for (const int threads : {1, 3})
-            EXPECT_EQ(replay(history, ids, lines, {.threads = threads}), expected);
+            EXPECT_EQ(replay({history, ids}, lines, {.threads = threads}), expected);
         }
         implicit::useSimdLevel(before);
       }
@@ -199,7 +199,7 @@ TEST(LineReplay, R5WithAllInTheZoneIsWhatTheListHas) {
   const DexelHistory history(document);
   const Zone everything(implicit::Sphere{{0, 0, 0}, 10});
   const LineFamily family = latticeAlong({1, 0.3, -0.2}, list.bounds(), kSanitized ? 0.2 : 0.05);
-  const Dexels dexels = replay(history, allOf(history), linesInZone(family, everything)),
+  const Dexels dexels = replay({history, allOf(history)}, linesInZone(family, everything)),
                expected = dexelsOf(list, family);
   LineEnds a, b;
   std::size_t different = 0, seen = 0;
@@ -224,13 +224,13 @@ TEST(LineReplay, WithNothingToReplayLinesAreEmptyOrWhatTheyStartedAs) {
   EXPECT_EQ(history.idCount(), 1u);
   const Zone zone = someZones()[1];
   const LinesInZone lines = linesInZone(newLines(zone, {.resolution = 9})[0], zone);
-  EXPECT_EQ(replay(history, {}, lines).endCount(), 0u);
-  EXPECT_EQ(replay(history, allOf(history), lines).endCount(), 0u);
+  EXPECT_EQ(replay({history, {}}, lines).endCount(), 0u);
+  EXPECT_EQ(replay({history, allOf(history)}, lines).endCount(), 0u);
   Dexels start(lines.family.width, lines.family.height, {});
   const float middle = (lines.from[4] + lines.to[4]) / 2;
   start.write(4, std::vector<SpanEnd>{{lines.from[4], 5}, {middle, 6}});
   LineEnds ends;
-  const Dexels kept = replay(history, {}, lines, {}, {.start = &start});
+  const Dexels kept = replay({history, {}, {.start = &start}}, lines);
   kept.read(4, ends);
   ASSERT_EQ(ends.size(), 2u);
   EXPECT_EQ(ends[1].depth, middle);

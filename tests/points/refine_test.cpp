@@ -36,13 +36,13 @@ TEST(Refine, R5ClustersAndAllAreTheSameBitsOnRandomHistories) {
     const DexelHistory history(document);
     for (const Zone& zone : someZones()) {
       const auto lines = newLines(zone, {.resolution = kFine / 2});
-      const RefinedModel all = refine(document, history, zone, lines, {.method = RefineMethod::All});
+      const RefinedModel all = refine({document, history}, {zone, lines}, {.method = RefineMethod::All});
       for (const int threads : {1, 2})
-        EXPECT_TRUE(testing::areEqual(
-            refine(document, history, zone, lines, {.method = RefineMethod::Clusters}, {.threads = threads}),
-            all));
+        EXPECT_TRUE(testing::areEqual(refine({document, history}, {zone, lines},
+                                             {.method = RefineMethod::Clusters}, {.threads = threads}),
+                                      all));
       EXPECT_TRUE(testing::areEqual(
-          refine(document, history, zone, lines, {.method = RefineMethod::All, .plain = true}), all));
+          refine({document, history}, {zone, lines}, {.method = RefineMethod::All, .plain = true}), all));
       EXPECT_GT(all.families[0].dexels.endCount(), kSanitized ? 10u : 200u);
     }
   }
@@ -57,8 +57,8 @@ TEST(Refine, R4EndsMissLessThanAFiftiethOfAPercentOnADenseHistoryAt258Lines) {
   for (int k = 0; k < 4; ++k) {
     const Zone zone = smallZone(random);
     const auto lines = newLines(zone, {.resolution = kFine});
-    const RefinedModel all = refine(document, history, zone, lines, {.method = RefineMethod::All}),
-                       ends = refine(document, history, zone, lines, {.method = RefineMethod::Ends});
+    const RefinedModel all = refine({document, history}, {zone, lines}, {.method = RefineMethod::All}),
+                       ends = refine({document, history}, {zone, lines}, {.method = RefineMethod::Ends});
     EXPECT_LT(difference(ends, all).part(), kSanitized ? 2e-2 : 2e-4);
     EXPECT_LE(ends.ids.size(), history.idCount());
   }
@@ -75,10 +75,11 @@ TEST(Refine, R4OneReferenceAnEndMissesMoreThanTwo) {
   for (int k = 0; k < 3; ++k) {
     const Zone zone = smallZone(random);
     const auto lines = newLines(zone, {.resolution = kFine});
-    const RefinedModel all = refine(document, history, zone, lines, {.method = RefineMethod::All});
-    byEnds += difference(refine(document, history, zone, lines), all).part();
+    const RefinedModel all = refine({document, history}, {zone, lines}, {.method = RefineMethod::All});
+    byEnds += difference(refine({document, history}, {zone, lines}), all).part();
     byDocument +=
-        difference(refine(document, history, zone, lines, {.method = RefineMethod::Document}), all).part();
+        difference(refine({document, history}, {zone, lines}, {.method = RefineMethod::Document}), all)
+            .part();
   }
   EXPECT_LT(byEnds, byDocument);
 }
@@ -101,8 +102,9 @@ TEST(Refine, R2bTouchingIsExactOnTheModelsOwnLines) {
     family.originStep[u] = family.originRowStep[v] = grid.cell();
     lines.push_back(family);
   }
-  const RefinedModel all = refine(document, history, zone, lines, {.method = RefineMethod::All}),
-                     touching = refine(document, history, zone, lines, {.method = RefineMethod::Touching});
+  const RefinedModel all = refine({document, history}, {zone, lines}, {.method = RefineMethod::All}),
+                     touching =
+                         refine({document, history}, {zone, lines}, {.method = RefineMethod::Touching});
   // Lines differ from the model's by rounding to float32: what only grazes one may count for one only.
   EXPECT_LT(difference(touching, all).part(), 1e-6);
   EXPECT_LE(touching.ids.size(), all.ids.size());
@@ -118,8 +120,9 @@ TEST(Refine, R4WhereOnlyRemovedTheDocumentsResultContainsTheSolidAndWhereOnlyAdd
     const DexelHistory history(document);
     for (const Zone& zone : someZones()) {
       const auto lines = newLines(zone, {.resolution = kFine});
-      const RefinedModel all = refine(document, history, zone, lines, {.method = RefineMethod::All}),
-                         found = refine(document, history, zone, lines, {.method = RefineMethod::Document});
+      const RefinedModel all = refine({document, history}, {zone, lines}, {.method = RefineMethod::All}),
+                         found =
+                             refine({document, history}, {zone, lines}, {.method = RefineMethod::Document});
       const testing::Difference wrong = difference(found, all);
       // What is thinner than a cell the approximation itself may lack.
       EXPECT_LT(adds ? wrong.tooMuch : wrong.tooLittle, 2e-3 * wrong.length) << adds;
@@ -150,11 +153,11 @@ TEST(Refine, R4EndsMissWhatLiesBetweenTheLinesAndClustersDoNot) {
   const DexelHistory history(document);
   const Zone zone(orientedBoxOf({{-0.3f, -0.3f, -0.3f}, {0.3f, 0.3f, 0.3f}}));
   const auto lines = newLines(zone, {.resolution = kFine});
-  const RefinedModel all = refine(document, history, zone, lines, {.method = RefineMethod::All});
+  const RefinedModel all = refine({document, history}, {zone, lines}, {.method = RefineMethod::All});
   EXPECT_GT(all.families[0].dexels.totalLength(), 0);
-  EXPECT_EQ(refine(document, history, zone, lines).families[0].dexels.totalLength(), 0);
+  EXPECT_EQ(refine({document, history}, {zone, lines}).families[0].dexels.totalLength(), 0);
   EXPECT_TRUE(
-      testing::areEqual(refine(document, history, zone, lines, {.method = RefineMethod::Clusters}), all));
+      testing::areEqual(refine({document, history}, {zone, lines}, {.method = RefineMethod::Clusters}), all));
 }
 
 TEST(Refine, R3TheVolumeOfAZoneIsThatOfTheSolidInIt) {
@@ -164,12 +167,12 @@ TEST(Refine, R3TheVolumeOfAZoneIsThatOfTheSolidInIt) {
   const DexelHistory history(document);
   // An eighth of the ball.
   const Zone zone(orientedBoxOf({{0, 0, 0}, {1.2f, 1.2f, 1.2f}}));
-  const RefinedModel refined = refine(document, history, zone, newLines(zone, {.resolution = 100}));
+  const RefinedModel refined = refine({document, history}, {zone, newLines(zone, {.resolution = 100})});
   ASSERT_TRUE(refined.volume());
   EXPECT_NEAR(*refined.volume(), 4.18879 / 8, 4e-3);
   EXPECT_EQ(refined.ids, std::vector{OperationId::Initial});
   const Zone frustum = someZones()[3];
-  EXPECT_FALSE(refine(document, history, frustum, newLines(frustum, {})).volume());
+  EXPECT_FALSE(refine({document, history}, {frustum, newLines(frustum, {})}).volume());
 }
 
 TEST(Refine, AZoneBesideTheModelIsEmptyAndOneWithinItIsFull) {
@@ -179,12 +182,12 @@ TEST(Refine, AZoneBesideTheModelIsEmptyAndOneWithinItIsFull) {
   for (const RefineMethod method : {RefineMethod::Ends, RefineMethod::Document, RefineMethod::All}) {
     const Zone beside(orientedBoxOf({{3, 3, 3}, {4, 4, 4}}));
     const RefinedModel empty =
-        refine(document, history, beside, newLines(beside, {.resolution = 8}), {.method = method});
+        refine({document, history}, {beside, newLines(beside, {.resolution = 8})}, {.method = method});
     EXPECT_EQ(empty.families[0].dexels.endCount(), 0u) << nameOf(method);
     EXPECT_TRUE(empty.ids.empty());
     const Zone within(orientedBoxOf({{-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f}}));
     const RefinedModel full =
-        refine(document, history, within, newLines(within, {.resolution = 8}), {.method = method});
+        refine({document, history}, {within, newLines(within, {.resolution = 8})}, {.method = method});
     EXPECT_NEAR(full.volume().value(), 0.064, 1e-6) << nameOf(method);
   }
 }
@@ -195,12 +198,13 @@ TEST(Refine, RefusesModelsThatDoNotKeepWhatAMethodNeeds) {
   const DexelHistory history(document);
   const Zone zone = someZones()[1];
   const auto lines = newLines(zone, {.resolution = 4});
-  EXPECT_THROW((void)refine(document, history, zone, lines), InputError);
-  EXPECT_THROW((void)refine(document, history, zone, lines, {.method = RefineMethod::Touching}), InputError);
-  EXPECT_NO_THROW((void)refine(document, history, zone, lines, {.method = RefineMethod::Clusters}));
+  EXPECT_THROW((void)refine({document, history}, {zone, lines}), InputError);
+  EXPECT_THROW((void)refine({document, history}, {zone, lines}, {.method = RefineMethod::Touching}),
+               InputError);
+  EXPECT_NO_THROW((void)refine({document, history}, {zone, lines}, {.method = RefineMethod::Clusters}));
   makeModel(document, 8);
-  EXPECT_THROW((void)refine(document, history, zone, lines, {.widening = -1}), InputError);
-  EXPECT_THROW((void)refine(document, history, zone, lines, {.widening = std::nan("")}), InputError);
+  EXPECT_THROW((void)refine({document, history}, {zone, lines}, {.widening = -1}), InputError);
+  EXPECT_THROW((void)refine({document, history}, {zone, lines}, {.widening = std::nan("")}), InputError);
 }
 
 // The cells' kinds, asked from points of their edges; and stretches of lines, asked from points on them.

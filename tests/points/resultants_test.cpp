@@ -303,8 +303,34 @@ TEST(Resultants, R7SeveralLaterOperationsCoverWhatNoneHidesAlone) {
   const Primitive base{{{0, 0, 0}, 1.0f}, kAdd}, inner{{{0.8f, 0, 0}, 0.25f}, kCarve},
       left{{{0.62f, 0, 0}, 0.4f}, kAdd}, right{{{0.98f, 0, 0}, 0.4f}, kCarve};
   EXPECT_EQ(verdictsOf({base, inner, left, right})[0], OperationVerdict::Covered);
-  EXPECT_EQ(verdictsOf({base, inner, left, {{{1.1f, 0, 0}, 0.3f}, kCarve}})[0], OperationVerdict::Needed);
+  EXPECT_EQ(verdictsOf({base, inner, left, {{{1.1f, 0, 0}, 0.2f}, kCarve}})[0], OperationVerdict::Needed);
   EXPECT_EQ(verdictsOf({base, left, inner, right})[1], OperationVerdict::Needed) << "one is earlier";
+  // As large as it, moved a little each way: every part of its rim is within one of them.
+  std::vector<Primitive> around = {base, inner};
+  for (int a = 0; a < 3; ++a)
+    for (const float by : {-0.01f, 0.01f}) {
+      around.push_back({inner.shape, a % 2 == 0 ? kAdd : kCarve});
+      Point center = inner.shape.ball().center;
+      center[a] += by;
+      around.back().shape = Shape(center, inner.shape.ball().radius);
+    }
+  EXPECT_EQ(verdictsOf(around)[0], OperationVerdict::Covered);
+  around.pop_back();
+  EXPECT_EQ(verdictsOf(around)[0], OperationVerdict::Needed);
+}
+
+TEST(Resultants, R7OfManyStampsInOnePlaceFewStay) {
+  Random random(21);
+  std::vector<Primitive> primitives = {{{{0, 0, 0}, 1.0f}, kAdd}};
+  for (int i = 0; i < (kSanitized ? 100 : 2000); ++i)
+    primitives.push_back(
+        {{Point(1, 0, 0) + random.inCube(0.02f), 0.2f}, random.below(3) == 0 ? kAdd : kCarve});
+  const TriDexelDocument document = documentOf(primitives, 60);
+  const Resultants merged = resultantsOf(document);
+  EXPECT_LT(merged.report.operationsAfter, document.operations.size() / (kSanitized ? 1 : 2));
+  expectModelWithNewNumbers(document, merged.document);
+  expectSameReplays(document, merged.document, 21);
+  expectHistoriesMakeTheirLines(merged.document, 22);
 }
 
 TEST(Resultants, R7IntersectionsHideWhatLiesWhollyOutside) {
@@ -360,8 +386,8 @@ TEST(Resultants, R7MeshToolsAndCuttersThatMeetNothingHaveNoEffect) {
   for (int i = 0; i < 3; ++i) {
     const std::vector<LineFamily> lines =
         newLines(zone, {.resolution = 20, .direction = DVec3(random.inCube(1)) + DVec3(0, 0, 0.01)});
-    const RefinedModel old = refine(document, before, zone, lines, {.method = RefineMethod::All}),
-                       other = refine(merged, after, zone, lines, {.method = RefineMethod::All});
+    const RefinedModel old = refine({document, before}, {zone, lines}, {.method = RefineMethod::All}),
+                       other = refine({merged, after}, {zone, lines}, {.method = RefineMethod::All});
     ASSERT_EQ(old.families.size(), other.families.size());
     for (std::size_t f = 0; f < lines.size(); ++f)
       expectSameEnds(old.families[f].dexels, other.families[f].dexels);
@@ -393,7 +419,7 @@ TEST(Resultants, R7RunsShortenHistoriesAndTouchingRefinesThemAlike) {
   const Zone zone(orientedBoxOf({{-0.4f, -0.5f, -0.3f}, {0.6f, 0.5f, 0.4f}}));
   const std::vector<LineFamily> lines = newLines(zone, {.resolution = 30});
   const auto refined = [&](const TriDexelDocument& d, RefineMethod method) {
-    return refine(d, DexelHistory(d), zone, lines, {.method = method});
+    return refine({d, DexelHistory(d)}, {zone, lines}, {.method = method});
   };
   const RefinedModel touching = refined(merged.document, RefineMethod::Touching),
                      all = refined(document, RefineMethod::All);

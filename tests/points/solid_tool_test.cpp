@@ -219,7 +219,7 @@ TEST(SolidTool, R5AReplayOnTheModelsOwnLinesHasItsEnds) {
   const DexelHistory history(document);
   const Zone zone(orientedBoxOf(outer));
   const RefinedModel replayed =
-      refine(document, history, zone, newLines(zone, {.cell = 0.25}), {.method = RefineMethod::All});
+      refine({document, history}, {zone, newLines(zone, {.cell = 0.25})}, {.method = RefineMethod::All});
   ASSERT_EQ(replayed.families.size(), 3u);
   LineEnds ends, expected;
   for (int axis = 0; axis < 3; ++axis) {

@@ -246,18 +246,17 @@ class Replay {
 
 }  // namespace
 
-Dexels GlLineReplay::operator()(const DexelHistory& history, std::span<const OperationId> ids,
-                                const LinesInZone& lines, const Execution& execution,
-                                const ReplayBasis& basis) const {
+Dexels GlLineReplay::operator()(const ReplayInput& input, const LinesInZone& lines,
+                                const Execution& execution) const {
   RESTROKE_CHECK_EQ(options_.room > 0 && options_.lines > 0 && options_.solids > 0, true);
   Dexels out(lines.family.width, lines.family.height, {.operations = true});
   RESTROKE_CHECK_EQ(out.lineCount(), lines.from.size());
-  const std::vector<HistoryStep> steps = stepsOf(history, ids);
+  const std::vector<HistoryStep> steps = stepsOf(input.history, input.ids);
   GlDexelContext::State& state = *context_.state();
   const GlDexelContext::State::Use use(state);
   const ReplayWork::Limits limits{options_.solids, state.largestBlock() / sizeof(std::uint32_t)};
-  ReplayWork work({lines, basis, execution, out}, limits);
-  Replay(state, options_, lines.family, basis)
+  ReplayWork work({lines, input.basis, execution, out}, limits);
+  Replay(state, options_, lines.family, input.basis)
       .run(work, steps, placedSteps(steps, lines.family), tilesOf({0, out.width(), 0, out.height()}));
   checkGlErrors("these lines");
   return out;

@@ -38,9 +38,8 @@ class GlLineReplay {
 
   /// Throws InputError when the driver has not enough memory. From any thread; calls in one context wait for
   /// each other.
-  [[nodiscard]] Dexels operator()(const DexelHistory& history, std::span<const OperationId> ids,
-                                  const LinesInZone& lines, const Execution& execution = {},
-                                  const ReplayBasis& basis = {}) const;
+  [[nodiscard]] Dexels operator()(const ReplayInput& input, const LinesInZone& lines,
+                                  const Execution& execution = {}) const;
 
  private:
   GlDexelContext context_;

@@ -22,12 +22,15 @@ using implicit::Sphere;
 
 constexpr double kBallMargin = 0x1p-18, kVolumeMargin = 0x1p-16;
 // Eighths of eighths ...: a part of the solid that is a sixteenth of it is covered by one operation, or the
-// solid counts as not covered; so does one that takes more parts than this.
-constexpr int kDeepest = 4, kMostParts = 2000;
+// solid counts as not covered.
+constexpr int kDeepest = 4;
 // Intersections that are asked whether they hide something; they are few.
 constexpr std::size_t kMostIntersections = 8;
 // Of those that touch a cell so many are asked, where very many lie on each other.
-constexpr std::size_t kMostAsked = 4096;
+constexpr std::size_t kMostAsked = 1024;
+// Questions whether one operation decides one part, for all parts of an operation; what takes more counts as
+// not covered.
+constexpr std::size_t kMostQuestions = std::size_t{1} << 15;
 
 double farthest(const Box& box) {
   double most = 0;
@@ -105,6 +108,18 @@ class Steps {
         volume.volume().clearance(volume.toLocal(center)) * static_cast<double>(volume.pose().scale);
     return outside ? clearance >= radius + margins_[i] : clearance <= -radius - margins_[i];
   }
+  /// Is what ball k has in a cube within what step i decides? Of a ball i with centre c and radius R: for p
+  /// in ball k, with centre a and radius r, |p - c|^2 <= r^2 + 2 (p - a)(a - c) + |a - c|^2, the middle one
+  /// of which is linear in p. So balls that are nearly the same decide half of each other's rim, each.
+  [[nodiscard]] bool decidesPart(std::size_t i, std::size_t k, DVec3 center, double half) const {
+    if (decides(i, center, half * 1.7320508075688774)) return true;
+    if (isBall_[i] == 0 || operations_[i] == DexelOperation::Intersection) return false;
+    const DVec3 a(balls_[k].center), by = a - DVec3(balls_[i].center);
+    const auto r = static_cast<double>(balls_[k].radius);
+    const double room = static_cast<double>(balls_[i].radius) - margins_[i],
+                 most = dot(center - a, by) + half * (std::fabs(by.x) + std::fabs(by.y) + std::fabs(by.z));
+    return room > 0 && r * r + 2 * most + dot(by, by) <= room * room;
+  }
   [[nodiscard]] bool isSame(std::size_t i, std::size_t k) const {
     return shapes_[i] && shapes_[k] && balls_[i] == balls_[k] && *shapes_[i] == *shapes_[k];
   }
@@ -159,7 +174,7 @@ class Steps {
 class Search {
  public:
   explicit Search(const TriDexelDocument& document)
-      : steps_(document), clusters_({.cell = 2 * steps_.medianRadius()}), hasNoEffect_(steps_.size()) {
+      : steps_(document), clusters_({.cell = steps_.medianRadius()}), hasNoEffect_(steps_.size()) {
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       if (i >= steps_.first() && changesNothing(i)) {
         hasNoEffect_[i] = 1;
@@ -249,11 +264,17 @@ class Search {
 
   // A step after i that decides the closed ball, if one is found.
   [[nodiscard]] std::optional<std::uint32_t> laterThat(std::size_t i, DVec3 center, double radius) const {
+    return laterWhere(i, center, [&](std::size_t j) { return steps_.decides(j, center, radius); });
+  }
+
+  // A step after i of which f is true, that touches the cell around a place.
+  template <class F>
+  [[nodiscard]] std::optional<std::uint32_t> laterWhere(std::size_t i, DVec3 place, const F& f) const {
     std::optional<std::uint32_t> found;
-    forListsAt(center, [&](std::span<const std::uint32_t> list) {
+    forListsAt(place, [&](std::span<const std::uint32_t> list) {
       const std::size_t end = list.size() - std::min(list.size(), kMostAsked);
       for (std::size_t n = list.size(); n > end && list[n - 1] > i; --n)
-        if (steps_.decides(list[n - 1], center, radius)) {
+        if (f(list[n - 1])) {
           found = list[n - 1];
           return false;
         }
@@ -261,8 +282,7 @@ class Search {
     });
     for (std::size_t n = intersections_.size(), left = kMostIntersections;
          !found && n > 0 && left > 0 && intersections_[n - 1] > i; --n, --left)
-      if (steps_.decides(intersections_[n - 1], center, radius))
-        found = static_cast<std::uint32_t>(intersections_[n - 1]);
+      if (f(intersections_[n - 1])) found = static_cast<std::uint32_t>(intersections_[n - 1]);
     return found;
   }
 
@@ -278,8 +298,9 @@ class Search {
     const DVec3 center(ball.center);
     const auto radius = static_cast<double>(ball.radius);
     std::vector<Part> left = {{center, radius, 0}};
-    for (int parts = 0; !left.empty(); ++parts) {
-      if (parts == kMostParts) return false;
+    std::size_t questions = 0;
+    while (!left.empty()) {
+      if (questions > kMostQuestions) return false;
       const Part part = left.back();
       left.pop_back();
       double squared = 0;  // of the distance from the part to the ball's centre
@@ -288,12 +309,9 @@ class Search {
         squared += d * d;
       }
       if (squared > radius * radius * (1 + 1e-9)) continue;
-      const double around = part.half * 1.7320508075688774;
-      const auto known = std::find_if(covers.rbegin(), covers.rend(), [&](std::uint32_t cover) {
-        return steps_.decides(cover, part.center, around);
-      });
-      if (known != covers.rend()) continue;
-      if (const auto cover = laterThat(i, part.center, around)) {
+      const auto decidesIt = [&](std::size_t j) { return steps_.decidesPart(j, i, part.center, part.half); };
+      if (std::any_of(covers.rbegin(), covers.rend(), decidesIt)) continue;
+      if (const auto cover = laterWhere(i, part.center, decidesIt)) {
         covers.push_back(*cover);
         continue;
       }

@@ -270,22 +270,20 @@ LinesInZone linesInZone(const LineFamily& family, const Zone& zone, const Execut
   return out;
 }
 
-Dexels replay(const DexelHistory& history, std::span<const OperationId> ids, const LinesInZone& lines,
-              const Execution& execution, const ReplayBasis& basis) {
+Dexels replay(const ReplayInput& input, const LinesInZone& lines, const Execution& execution) {
   Dexels out(lines.family.width, lines.family.height, {.operations = true});
   RESTROKE_CHECK_EQ(out.lineCount(), lines.from.size());
-  const std::vector<HistoryStep> steps = stepsOf(history, ids);
+  const std::vector<HistoryStep> steps = stepsOf(input.history, input.ids);
   const std::vector<PlacedStep> placed = placedSteps(steps, lines.family);
-  BandReplay bands(lines, steps, basis);
+  BandReplay bands(lines, steps, input.basis);
   const int count = (lines.family.height + kBand - 1) / kBand;
   inArena(execution, [&] { tbb::parallel_for(0, count, [&](int b) { bands.run(placed, b * kBand, out); }); });
   return out;
 }
 
-Dexels replayPlainly(const DexelHistory& history, std::span<const OperationId> ids, const LinesInZone& lines,
-                     const Execution& execution) {
+Dexels replayPlainly(const ReplayInput& input, const LinesInZone& lines, const Execution& execution) {
   Dexels out(lines.family.width, lines.family.height, {.operations = true});
-  const std::vector<HistoryStep> steps = stepsOf(history, ids);
+  const std::vector<HistoryStep> steps = stepsOf(input.history, input.ids);
   inArena(execution, [&] {
     tbb::parallel_for(0, lines.family.height, [&](int row) {
       StepsOnLine onLine(steps);

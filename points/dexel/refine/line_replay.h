@@ -33,9 +33,16 @@ struct ReplayBasis {
   const ModelCells* known = nullptr;
 };
 
-/// What the lines hold after the operations `ids` (ascending, each once; Initial stands for the initial
-/// solid). Each counts where it is in the zone, so that nothing beyond it matters: with all operations that
-/// meet the zone the result is that of all operations, bit for bit.
+/// What is replayed; it must outlive the call.
+struct ReplayInput {
+  const DexelHistory& history;
+  /// Ascending, each once; Initial stands for the initial solid.
+  std::span<const OperationId> ids;
+  ReplayBasis basis = {};
+};
+
+/// What the lines hold after the operations. Each counts where it is in the zone, so that nothing beyond it
+/// matters: with all operations that meet the zone the result is that of all operations, bit for bit.
 ///
 /// The operations are replayed from the last to the first, each on what none after it has filled or cleared
 /// (SPEC S4): what is hidden costs next to nothing, and a line is done when all of it is decided. A place
@@ -47,16 +54,15 @@ struct ReplayBasis {
 /// line, the flag clear, `outer` None. Depths are the exact intervals of the operations' solids, in double,
 /// rounded once. The same bits for any number of threads. O(lines that the operations' bounds meet on the
 /// family's raster, as long as they are not decided).
-[[nodiscard]] Dexels replay(const DexelHistory& history, std::span<const OperationId> ids,
-                            const LinesInZone& lines, const Execution& execution = {},
-                            const ReplayBasis& basis = {});
+[[nodiscard]] Dexels replay(const ReplayInput& input, const LinesInZone& lines,
+                            const Execution& execution = {});
 
 /// What replays: `replay`, or another engine with the same result (gl/gl_line_replay.h).
-using LineReplayer = std::function<Dexels(const DexelHistory&, std::span<const OperationId>,
-                                          const LinesInZone&, const Execution&, const ReplayBasis&)>;
+using LineReplayer = std::function<Dexels(const ReplayInput&, const LinesInZone&, const Execution&)>;
 
-/// The same result by its definition: each line asks each operation. O(lines x operations).
-[[nodiscard]] Dexels replayPlainly(const DexelHistory& history, std::span<const OperationId> ids,
-                                   const LinesInZone& lines, const Execution& execution = {});
+/// The same result by its definition, of an input without a basis: each line asks each operation. O(lines x
+/// operations).
+[[nodiscard]] Dexels replayPlainly(const ReplayInput& input, const LinesInZone& lines,
+                                   const Execution& execution = {});
 
 }  // namespace restroke::points

@@ -96,9 +96,12 @@ Sorts sortsOf(const TriDexelDocument& document, const std::vector<OperationId>& 
 
 class Refinement {
  public:
-  Refinement(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
-             const RefineOptions& options, const LineReplayer& replayer)
-      : document_(document), history_(history), zone_(zone), options_(options), replay_(replayer) {}
+  Refinement(const RefineSource& source, const Zone& zone, const RefineOptions& options)
+      : document_(source.document),
+        history_(source.history),
+        zone_(zone),
+        options_(options),
+        replay_(options.replayer ? options.replayer : replay) {}
 
   RefinedModel run(const std::vector<LineFamily>& families, const Execution& execution) {
     out_.ids = timed(out_.times.collect, [&] { return collect(); });
@@ -114,7 +117,7 @@ class Refinement {
         refined.dexels = byDocument(refined.lines, *cells, execution);
       else if (options_.method == RefineMethod::All && options_.plain)
         timed(out_.times.replay,
-              [&] { refined.dexels = replayPlainly(history_, out_.ids, refined.lines, execution); });
+              [&] { refined.dexels = replayPlainly({history_, out_.ids}, refined.lines, execution); });
       else
         refined.dexels = replayed(refined.lines, cells ? &*cells : nullptr, execution);
       out_.families.push_back(std::move(refined));
@@ -150,7 +153,7 @@ class Refinement {
   [[nodiscard]] Dexels replayed(const LinesInZone& lines, const ModelCells* known,
                                 const Execution& execution) {
     return timed(out_.times.replay,
-                 [&] { return replay_(history_, out_.ids, lines, execution, {.known = known}); });
+                 [&] { return replay_({history_, out_.ids, {.known = known}}, lines, execution); });
   }
 
   [[nodiscard]] Dexels byDocument(const LinesInZone& lines, const ModelCells& cells,
@@ -163,10 +166,10 @@ class Refinement {
       std::span<const OperationId> ids = out_.ids;
       if (upper && !ids.empty() && ids.front() == OperationId::Initial) {
         // Of the upper approximation only what the initial solid holds.
-        start = both(start, replay_(history_, ids.first(1), lines, execution, {}));
+        start = both(start, replay_({history_, ids.first(1), {}}, lines, execution));
         ids = ids.subspan(1);
       }
-      return replay_(history_, ids, lines, execution, {.start = &start});
+      return replay_({history_, ids, {.start = &start}}, lines, execution);
     });
   }
 
@@ -191,7 +194,7 @@ class Refinement {
   const DexelHistory& history_;
   const Zone& zone_;
   const RefineOptions& options_;
-  const LineReplayer& replay_;
+  LineReplayer replay_;
   RefinedModel out_;
 };
 
@@ -275,20 +278,13 @@ TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined) {
   return out;
 }
 
-RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
-                    const std::vector<LineFamily>& lines, const RefineOptions& options,
+RefinedModel refine(const RefineSource& source, const RefineTarget& target, const RefineOptions& options,
                     const Execution& execution) {
-  return refine(document, history, zone, lines, options, execution, replay);
-}
-
-RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history, const Zone& zone,
-                    const std::vector<LineFamily>& lines, const RefineOptions& options,
-                    const Execution& execution, const LineReplayer& replayer) {
-  refuse(document.model, options.method);
+  refuse(source.document.model, options.method);
   if (!(std::isfinite(options.widening) && options.widening >= 0 && options.widening <= kMostLines))
     throw InputError(fmt::format("the zone is to be widened by {} cells; it must be 0 to {}",
                                  options.widening, kMostLines));
-  return Refinement(document, history, zone, options, replayer).run(lines, execution);
+  return Refinement(source, target.zone, options).run(target.lines, execution);
 }
 
 }  // namespace restroke::points

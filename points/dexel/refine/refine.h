@@ -96,6 +96,8 @@ struct RefineOptions {
   bool corrected = true;
   /// All: each line asks each operation, as the definition has it (no result depends on it).
   bool plain = false;
+  /// What replays lines, `replay` (line_replay.h) where it is empty; GlLineReplay does it on a graphics card.
+  LineReplayer replayer = {};
 };
 
 struct RefinedFamily {
@@ -124,16 +126,21 @@ struct RefinedModel {
 /// The model on a zone's grid, whose three families were refined. Coordinates are those of the grid's frame.
 [[nodiscard]] TriDexel modelOn(const ZoneGrid& grid, RefinedModel refined);
 
-/// The model on new lines, within the zone. `history` is the document's. Throws InputError when the method
-/// needs what the model does not keep (operations at its ends, histories of its lines), or an option is out
-/// of range. The same bits for any number of threads.
-[[nodiscard]] RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history,
-                                  const Zone& zone, const std::vector<LineFamily>& lines,
+/// A model with its past; both must outlive the call, and the history be the document's.
+struct RefineSource {
+  const TriDexelDocument& document;
+  const DexelHistory& history;
+};
+/// Where, and on which lines.
+struct RefineTarget {
+  const Zone& zone;
+  std::vector<LineFamily> lines;
+};
+
+/// The model on new lines, within the zone. Throws InputError when the method needs what the model does not
+/// keep (operations at its ends, histories of its lines), or an option is out of range. The same bits for any
+/// number of threads.
+[[nodiscard]] RefinedModel refine(const RefineSource& source, const RefineTarget& target,
                                   const RefineOptions& options = {}, const Execution& execution = {});
-/// The same, with lines replayed by `replayer`. RefineOptions::plain asks replayPlainly all the same.
-[[nodiscard]] RefinedModel refine(const TriDexelDocument& document, const DexelHistory& history,
-                                  const Zone& zone, const std::vector<LineFamily>& lines,
-                                  const RefineOptions& options, const Execution& execution,
-                                  const LineReplayer& replayer);
 
 }  // namespace restroke::points

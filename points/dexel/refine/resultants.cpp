@@ -197,7 +197,7 @@ class Merging {
   // What a line's history comes to name.
   class Names {
    public:
-    explicit Names(std::size_t ids) : lineOf_(ids) {}
+    explicit Names(std::size_t ids) : lineOf_(ids), askedOn_(ids) {}
     void beginLine() {
       ids_.clear();
       ++line_;
@@ -205,6 +205,8 @@ class Merging {
     void add(OperationId id) {
       if (std::exchange(lineOf_[numberIn(id)], line_) != line_) ids_.push_back(id);
     }
+    /// Once for each operation and line: true.
+    [[nodiscard]] bool asksFirst(std::size_t i) { return std::exchange(askedOn_[i], line_) != line_; }
     [[nodiscard]] std::span<const OperationId> ascending() {
       std::sort(ids_.begin(), ids_.end());
       return ids_;
@@ -212,7 +214,8 @@ class Merging {
 
    private:
     std::vector<OperationId> ids_;
-    std::vector<std::uint32_t> lineOf_;  // by id, the last line that named it
+    std::vector<std::uint32_t> lineOf_;   // by id, the last line that named it
+    std::vector<std::uint32_t> askedOn_;  // by old index
     std::uint32_t line_ = 0;
   };
   void addInstead(std::size_t i, const Place& place, Names& names) const {
@@ -221,7 +224,7 @@ class Merging {
       return;
     }
     for (const std::uint32_t cover : covers_[i])
-      if (meetsLine(cover, place)) names.add(entries_[cover]);
+      if (names.asksFirst(cover) && meetsLine(cover, place)) names.add(entries_[cover]);
   }
 
   void mergeRow(Row where, const LineHistories& old, std::span<const std::uint32_t> lengths, Names& names) {
