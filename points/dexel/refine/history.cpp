@@ -1,6 +1,8 @@
 #include "points/dexel/refine/history.h"
 
-#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -8,6 +10,7 @@
 
 #include "implicit/errors.h"
 #include "points/dexel/mesh_solid.h"
+#include "points/dexel/refine/box_tree.h"
 #include "points/dexel/toolpath/swept_cutter.h"
 
 namespace restroke::points {
@@ -59,9 +62,8 @@ struct DexelHistory::State {
   std::vector<std::uint32_t> everywhere;  // steps that no bounds hold: intersections
   std::size_t initialSteps = 0;
 
-  // What crowded cells ask, and the clusters themselves.
-  std::vector<std::uint64_t> labels;
-  std::unique_ptr<implicit::Clusters> clusters;
+  // Of all steps that are not everywhere.
+  std::unique_ptr<const BoxTree> clusters;
 
   void add(const Sphere& ball, DexelOperation operation) {
     if (operation == DexelOperation::Intersection)
@@ -97,7 +99,20 @@ struct DexelHistory::State {
   [[nodiscard]] OperationId idOf(std::size_t step) const {
     return static_cast<OperationId>(step < initialSteps ? 0 : step - initialSteps + 1);
   }
-  [[nodiscard]] implicit::ClusterMembers members() const { return {labels, balls, isBall}; }
+  [[nodiscard]] bool mayMeet(std::size_t step, const Zone& zone) const {
+    if (operations[step] != DexelOperation::Intersection) {
+      // Quickly, in float32, with more room than rounding takes: most are far away.
+      const Box& box = zone.bounds();
+      const Sphere& ball = balls[step];
+      const float r = ball.radius;
+      const auto apart = [&](int a) {
+        const float by = r + (std::fabs(ball.center[a]) + r) * 0x1p-20f;
+        return ball.center[a] + by < box.min[a] || ball.center[a] - by > box.max[a];
+      };
+      if (apart(0) || apart(1) || apart(2)) return false;
+    }
+    return zone.mayMeet(boundsAt(step));
+  }
 };
 
 DexelHistory::DexelHistory(const TriDexelDocument& document, const Execution&)
@@ -172,21 +187,10 @@ Box DexelHistory::boundsOf(OperationId id) const {
 std::vector<OperationId> DexelHistory::idsByBounds(const Zone& zone) const {
   const State& s = *state_;
   std::vector<OperationId> ids;
-  const Box& box = zone.bounds();
   for (std::size_t i = 0; i < s.balls.size(); ++i) {
     const OperationId id = s.idOf(i);
     if (!ids.empty() && ids.back() == id) continue;
-    if (s.operations[i] != DexelOperation::Intersection) {
-      // Quickly, in float32, with more room than rounding takes: most are far away.
-      const Sphere& ball = s.balls[i];
-      const float r = ball.radius;
-      const auto apart = [&](int a) {
-        const float by = r + (std::fabs(ball.center[a]) + r) * 0x1p-20f;
-        return ball.center[a] + by < box.min[a] || ball.center[a] - by > box.max[a];
-      };
-      if (apart(0) || apart(1) || apart(2)) continue;
-    }
-    if (zone.mayMeet(s.boundsAt(i))) ids.push_back(id);
+    if (s.mayMeet(i, zone)) ids.push_back(id);
   }
   return ids;
 }
@@ -194,39 +198,28 @@ std::vector<OperationId> DexelHistory::idsByBounds(const Zone& zone) const {
 void DexelHistory::makeClusters() const {
   State& s = *state_;
   if (s.clusters) return;
-  // About twice the ordinary operation's size.
-  std::vector<float> radii;
-  for (std::size_t i = 0; i < s.balls.size(); i += 1 + s.balls.size() / 1024)
-    radii.push_back(s.balls[i].radius);
-  float cell = 1;
-  if (!radii.empty()) {
-    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-    std::nth_element(radii.begin(), middle, radii.end());
-    if (*middle > 0) cell = 4 * *middle;
-  }
-  s.labels.resize(s.balls.size());
-  for (std::size_t i = 0; i < s.labels.size(); ++i) s.labels[i] = i;
-  s.clusters = std::make_unique<implicit::Clusters>(implicit::ClusterOptions{.cell = cell});
-  for (std::size_t i = 0; i < s.balls.size(); ++i)
-    if (const Box box = s.boundsAt(i); s.operations[i] != DexelOperation::Intersection && !box.empty())
-      s.clusters->insert(static_cast<std::uint32_t>(i), box, s.members());
+  std::vector<Box> boxes(s.balls.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    if (s.operations[i] != DexelOperation::Intersection) boxes[i] = s.boundsAt(i);
+  s.clusters = std::make_unique<const BoxTree>(boxes);
 }
 
 std::vector<OperationId> DexelHistory::idsByClusters(const Zone& zone) const {
   makeClusters();
   const State& s = *state_;
-  std::vector<std::uint32_t> steps = s.everywhere;
-  s.clusters->forListsIn(zone.bounds(), implicit::Clusters::Wanted::All,
-                         [&](std::span<const std::uint32_t> list) {
-                           for (const std::uint32_t step : list) steps.push_back(step);
-                         });
-  std::sort(steps.begin(), steps.end());
-  steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+  // A bit for each step puts them in order.
+  std::vector<std::uint64_t> found((s.balls.size() + 63) / 64);
+  const auto take = [&](std::uint32_t step) {
+    if (s.mayMeet(step, zone)) found[step / 64] |= std::uint64_t{1} << step % 64;
+  };
+  for (const std::uint32_t step : s.everywhere) take(step);
+  s.clusters->forEachNear(zone.bounds(), take);
   std::vector<OperationId> ids;
-  for (const std::uint32_t step : steps)
-    if (const OperationId id = s.idOf(step);
-        (ids.empty() || ids.back() != id) && zone.mayMeet(s.boundsAt(step)))
-      ids.push_back(id);
+  for (std::size_t word = 0; word < found.size(); ++word)
+    for (std::uint64_t rest = found[word]; rest != 0; rest &= rest - 1) {
+      const OperationId id = s.idOf(64 * word + static_cast<std::size_t>(std::countr_zero(rest)));
+      if (ids.empty() || ids.back() != id) ids.push_back(id);
+    }
   return ids;
 }
 
@@ -235,6 +228,10 @@ std::size_t DexelHistory::bytes() const {
   return s.balls.capacity() * sizeof(Sphere) + s.operations.capacity() + s.isBall.capacity() +
          s.solidOf.capacity() * sizeof(std::uint32_t) +
          s.solids.capacity() * (sizeof(void*) + sizeof(ShapeSolid));
+}
+
+std::size_t DexelHistory::clusterBytes() const {
+  return state_->clusters ? state_->clusters->bytes() : 0;
 }
 
 }  // namespace restroke::points

@@ -7,7 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "implicit/clusters.h"
+#include "implicit/geometry/box.h"
+#include "implicit/shapes/sphere.h"
 #include "points/dexel/dexel_document.h"
 #include "points/dexel/refine/zone.h"
 #include "points/dexel/tool_solid.h"
@@ -47,14 +48,17 @@ class DexelHistory {
 
   /// Those of all ids whose bounds meet the zone, ascending: by asking all of them. O(operations).
   [[nodiscard]] std::vector<OperationId> idsByBounds(const Zone& zone) const;
-  /// The same by the clusters (implicit/clusters.h). O(cells of the zone + operations in them). The clusters
-  /// are made at the first call, in O(operations), or by makeClusters. Not to be called from two threads at
-  /// once.
+  /// The same by the clusters: a tree of the operations' boxes (box_tree.h) made once, unlike the grids of
+  /// implicit/clusters.h, which can be changed, and answer with more than is asked here. O(operations found,
+  /// and a few more for each of them, + operations / 64). The clusters are made at the first call, in O(n log
+  /// n), or by makeClusters. Not to be called from two threads at once.
   [[nodiscard]] std::vector<OperationId> idsByClusters(const Zone& zone) const;
   void makeClusters() const;
 
   /// Bytes held, without the document and the clusters.
   [[nodiscard]] std::size_t bytes() const;
+  /// Bytes of the clusters; 0 before they are made.
+  [[nodiscard]] std::size_t clusterBytes() const;
 
  private:
   struct State;
