@@ -152,7 +152,8 @@ TEST(Refine, R4EndsMissWhatLiesBetweenTheLinesAndClustersDoNot) {
   }
   const DexelHistory history(document);
   const Zone zone(orientedBoxOf({{-0.3f, -0.3f, -0.3f}, {0.3f, 0.3f, 0.3f}}));
-  const auto lines = newLines(zone, {.resolution = kFine});
+  // Fine enough to meet the needles: every 0.025.
+  const auto lines = newLines(zone, {.resolution = kSanitized ? 24 : kFine});
   const RefinedModel all = refine({document, history}, {zone, lines}, {.method = RefineMethod::All});
   EXPECT_GT(all.families[0].dexels.totalLength(), 0);
   EXPECT_EQ(refine({document, history}, {zone, lines}).families[0].dexels.totalLength(), 0);
