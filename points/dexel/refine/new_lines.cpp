@@ -1,11 +1,10 @@
-// Lines for a zone: denser, in another direction, fewer (SPEC R3).
+#include "points/dexel/refine/new_lines.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "implicit/errors.h"
 #include "implicit/process_memory.h"
-#include "points/dexel/refine/refine.h"
 
 namespace restroke::points {
 
