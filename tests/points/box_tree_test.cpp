@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "tests/support/brute_force.h"
-#include "tests/support/effort.h"
 
 namespace restroke::points {
 namespace {
 
-using restroke::testing::kSanitized;
 using restroke::testing::Random;
 
 bool touch(const Box& a, const Box& b) {
@@ -47,7 +45,7 @@ TEST(BoxTree, FindsAllThatTouchAndFewOthersWhateverTheSizes) {
     SCOPED_TRACE(seed);
     Random random(seed);
     std::vector<Box> boxes;
-    const std::size_t count = kSanitized ? 3000 : 30'000;
+    const std::size_t count = 30'000;
     for (std::size_t i = 0; i < count; ++i) {
       // From 0.0003 to 0.3, as many of each order of magnitude.
       const float scale = std::array{0.0003f, 0.003f, 0.03f, 0.3f}[random.below(4)];
