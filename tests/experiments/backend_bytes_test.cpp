@@ -64,8 +64,8 @@ class BackendBytes : public ::testing::TestWithParam<BackendKind> {};
 
 INSTANTIATE_TEST_SUITE_P(Shapes, BackendBytes,
                          ::testing::Values(BackendKind::ListSnapshots, BackendKind::SurfelSnapshots,
-                                         BackendKind::SurfelDeltas, BackendKind::SurfelDeltasZstd,
-                                         BackendKind::DexelDeltas));
+                                           BackendKind::SurfelDeltas, BackendKind::SurfelDeltasZstd,
+                                           BackendKind::DexelDeltas));
 
 TEST_P(BackendBytes, AreWhatTheAllocatorGaveOut) {
   if (!kCountsAllocation) GTEST_SKIP() << "built with a sanitizer, whose allocator is not asked";
