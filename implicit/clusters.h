@@ -94,7 +94,7 @@ class ClusterGrid {
   // fit.
   [[nodiscard]] static std::int32_t indexAlong(double x, double cell) {
     const double i = x / cell;
-    if (i < -2e9) return -2'000'000'000;
+    if (!(i >= -2e9)) return -2'000'000'000;  // NaN too: nothing holds it, wherever it is looked for
     if (i > 2e9) return 2'000'000'000;
     const auto whole = static_cast<std::int32_t>(i);
     return whole - (i < whole);  // floor, without a call to the library
