@@ -45,11 +45,6 @@ RefineMethod methodNamed(const std::string& name) {
   throw InputError(fmt::format("--method: \"{}\" must be document, ends, touching, clusters or all", name));
 }
 
-std::string extensionOf(const std::string& path) {
-  const std::size_t dot = path.rfind('.');
-  return dot == std::string::npos ? std::string() : path.substr(dot);
-}
-
 // What was asked for, found to be possible.
 struct Request {
   Zone zone;

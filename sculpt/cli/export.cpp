@@ -21,6 +21,7 @@
 #include "sculpt/cli/commands.h"
 #include "sculpt/cli/replaying.h"
 #include "sculpt/cli/sources.h"
+#include "sculpt/cli/words.h"
 
 namespace restroke::cli {
 
@@ -29,13 +30,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::array<std::string_view, 6> kEndings{".stl", ".ply", ".xyz", ".obj", ".amf", ".3mf"};
-
-std::string extensionOf(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
-}
 
 points::LengthUnit unitNamed(std::string_view name) {
   if (name == "mm") return points::LengthUnit::Millimetre;

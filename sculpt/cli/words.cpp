@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <span>
 
 #include "implicit/errors.h"
@@ -23,6 +24,13 @@ std::optional<std::vector<double>> numbersIn(std::string_view text, char separat
     if (end == std::string_view::npos) return numbers;
     text.remove_prefix(end + 1);
   }
+}
+
+std::string extensionOf(const std::string& file) {
+  std::string extension = std::filesystem::path(file).extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
 }
 
 sculpt::Repair repairNamed(std::string_view text) {

@@ -21,6 +21,9 @@ namespace restroke::cli {
 /// The numbers between separators; nothing when one of them is not a finite number.
 [[nodiscard]] std::optional<std::vector<double>> numbersIn(std::string_view text, char separator);
 
+/// The ending of a file's name with its dot, in small letters: what is to be written.
+[[nodiscard]] std::string extensionOf(const std::string& file);
+
 /// What --repair says: "winding" or nothing.
 [[nodiscard]] sculpt::Repair repairNamed(std::string_view text);
 
